@@ -21,6 +21,11 @@ void keep_better(std::vector<Sighting>& sightings, const Sighting& seen) {
   }
 }
 
+void add(std::vector<Sighting>& sightings, const Pose& T_W_C, const DetectionResult& result) {
+  for (const auto& found : result.detections)
+    keep_better(sightings, {found.stone, T_W_C * found.T_C_O, found.score, found.visible, found.certainty});
+}
+
 bool seen(const std::vector<Sighting>& sightings, StoneIndex stone) {
   return std::any_of(sightings.begin(), sightings.end(), [&](const Sighting& s) { return s.stone == stone; });
 }
@@ -150,9 +155,9 @@ CameraView take_view(Cell& cell, const RobotModel& robot, const JointTrajectory&
 }
 
 std::vector<Sighting> find_in_views(const std::vector<CameraView>& views, const DetectionModels& models,
-                                    const std::vector<StoneIndex>& wanted,
-                                    const std::vector<StoneIndex>& together, const Arrangement& before,
+                                    const std::vector<StoneIndex>& wanted, const KnownScene& scene,
                                     const DetectionOptions& options) {
+  const Arrangement& before = scene.before;
   std::vector<Sighting> sightings;
   for (const auto& view : views)
     for (const auto* group : {&before.stack, &before.loose})
@@ -167,23 +172,27 @@ std::vector<Sighting> find_in_views(const std::vector<CameraView>& views, const 
     explained.push_back({hidden.stone, hidden.T_W_O});
   const auto missing = unseen(wanted, explained);
   if (missing.empty()) return sightings;
-  const auto add = [&](const Pose& T_W_C, const DetectionResult& result) {
-    for (const auto& found : result.detections)
-      keep_better(sightings, {found.stone, T_W_C * found.T_C_O, found.score, found.visible, found.certainty});
-  };
+  std::vector<Sighting> by_one;
   for (const auto& view : views)
-    add(view.T_W_C, detect_stones(view.image, models, missing, options, known_in(view.T_W_C, explained)));
-  auto still_missing = unseen(missing, sightings);
-  std::erase_if(still_missing, [&](StoneIndex stone) {
-    return std::find(together.begin(), together.end(), stone) == together.end();
-  });
-  if (views.size() == 1 || still_missing.empty()) return sightings;
+    add(by_one, view.T_W_C,
+        detect_stones(view.image, models, missing, options, known_in(view.T_W_C, explained)));
+  std::vector<StoneIndex> for_all;
+  for (const StoneIndex stone : missing) {
+    const bool known = std::find(scene.known.begin(), scene.known.end(), stone) != scene.known.end();
+    const auto found =
+        std::find_if(by_one.begin(), by_one.end(), [&](const Sighting& s) { return s.stone == stone; });
+    if (found != by_one.end() && (known || views.size() == 1))
+      sightings.push_back(*found);
+    else if (views.size() > 1 && (found != by_one.end() || known || scene.first))
+      for_all.push_back(stone);
+  }
+  if (for_all.empty()) return sightings;
   for (const Sighting& s : sightings)
     if (!seen(explained, s.stone)) explained.push_back(s);
   const Pose& T_W_C = views.front().T_W_C;
   std::vector<DepthView> depths;
   for (const auto& view : views) depths.push_back({view.image, view.T_W_C});
-  add(T_W_C, detect_stones(depths, models, still_missing, options, known_in(T_W_C, explained)));
+  add(sightings, T_W_C, detect_stones(depths, models, for_all, options, known_in(T_W_C, explained)));
   return sightings;
 }
 

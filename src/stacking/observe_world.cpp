@@ -72,7 +72,7 @@ std::optional<WorldEstimate> predict_by_tower(Workcell& w, const Expectation& ex
   const Stopwatch watch;
   Arrangement tower = expected_arrangement(expected);
   tower.loose.clear();
-  const auto sightings = find_in_views({of_site}, w.detection, {}, {}, tower, w.options.detection);
+  const auto sightings = find_in_views({of_site}, w.detection, {}, {tower, {}}, w.options.detection);
   WorldEstimate predicted;
   predicted.layout = w.cell.layout;
   predicted.site = expected.site;
@@ -178,16 +178,9 @@ Observation observe(Workcell& w, const Expectation& expected, const WhileMoving&
   Seen seen = take_views(w, expected, while_moving);
   // What no first view showed may come to light when others are taken away, but is not worth a search in all
   // views together after each of them.
-  std::vector<StoneIndex> wanted, together;
-  for (const StoneIndex stone : first_stones(w.models.shapes.size())) {
-    wanted.push_back(stone);
-    if (expected.first ||
-        std::find(expected.known.begin(), expected.known.end(), stone) != expected.known.end())
-      together.push_back(stone);
-  }
   const Stopwatch watch;
-  const auto sightings =
-      find_in_views(seen.views, w.detection, wanted, together, seen.before, w.options.detection);
+  const auto sightings = find_in_views(seen.views, w.detection, first_stones(w.models.shapes.size()),
+                                       {seen.before, expected.known, expected.first}, w.options.detection);
   const bool found_stack = expected.first && seen.site == SiteStatus::kOccupied;
   StoneEstimates stones =
       estimate_stones(w.models.shapes, w.cell.layout, found_stack ? stack_seen(w, sightings) : expected.stack,

@@ -28,14 +28,18 @@ std::vector<Pose> turned_poses(const Pose& T_W_C, const CellLayout& layout) {
   return poses;
 }
 
+bool is_same(const Pose& T_W_a, const Pose& T_W_b) {
+  const auto apart = difference(T_W_a, T_W_b);
+  return apart.translation <= kCameraSameShift && apart.angle <= kCameraSameTurn;
+}
+
 /// Stones that both results show at the same pose, as marks of each: their centres of mass.
 void add_marks(const ShapeList& shapes, const CameraView& a, const DetectionResult& in_a, const CameraView& b,
                const DetectionResult& in_b, MountView& view_a, MountView& view_b) {
   for (const Detection& seen_a : in_a.detections)
     for (const Detection& seen_b : in_b.detections) {
       if (seen_a.stone != seen_b.stone) continue;
-      const auto apart = difference(a.T_W_C * seen_a.T_C_O, b.T_W_C * seen_b.T_C_O);
-      if (apart.translation > kCameraSameShift || apart.angle > kCameraSameTurn) continue;
+      if (!is_same(a.T_W_C * seen_a.T_C_O, b.T_W_C * seen_b.T_C_O)) continue;
       const Eigen::Vector3d& p_O_M = at(shapes, seen_a.stone)->mass.p_O_M;
       view_a.marks.push_back({seen_a.stone.value(), seen_a.T_C_O * p_O_M});
       view_b.marks.push_back({seen_b.stone.value(), seen_b.T_C_O * p_O_M});
@@ -49,14 +53,15 @@ std::vector<Sighting> sightings_in(const CameraView& view, const DetectionResult
   return list;
 }
 
-/// Every stone that some view showed, where the first of them did.
-Arrangement seen_in(const Views& views, const std::vector<DetectionResult>& seen) {
+/// Every stone that two views showed at the same pose, where the first did.
+Arrangement seen_in_both(const Views& views, const std::vector<DetectionResult>& seen) {
   Arrangement arrangement;
-  for (std::size_t k = 0; k < views.size(); ++k)
-    for (const Detection& found : seen[k].detections)
-      if (std::none_of(arrangement.loose.begin(), arrangement.loose.end(),
-                       [&](const PlacedStone& s) { return s.stone == found.stone; }))
-        arrangement.loose.push_back({found.stone, views[k].T_W_C * found.T_C_O});
+  for (const Detection& a : seen[0].detections)
+    for (const Detection& b : seen[1].detections) {
+      const Pose T_W_O = views[0].T_W_C * a.T_C_O;
+      if (a.stone == b.stone && is_same(T_W_O, views[1].T_W_C * b.T_C_O))
+        arrangement.loose.push_back({a.stone, T_W_O});
+    }
   return arrangement;
 }
 
@@ -102,7 +107,7 @@ Arrangement refine_camera(Workcell& w, const FrictionEstimate& friction, Views& 
     for (std::size_t k = 0; k < views.size(); ++k)
       views[k].T_W_C = correction.T_level * mounts[k].T_W_T * found.T_T_C;
   }
-  return seen_in(views, seen);
+  return seen_in_both(views, seen);
 }
 
 }  // namespace stonestack::stacking

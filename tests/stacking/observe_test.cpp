@@ -39,7 +39,7 @@ struct SeenField {
     seen = find({});
   }
   [[nodiscard]] std::vector<Sighting> find(const Arrangement& before) const {
-    auto found = find_in_views({view}, models, wanted, wanted, before, options);
+    auto found = find_in_views({view}, models, wanted, {before, wanted}, options);
     std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.stone < b.stone; });
     return found;
   }
@@ -98,10 +98,37 @@ TEST(FindInViews, HowCertainItIsWhichStoneItIsComesAlong) {
   std::vector<Stone> stones = field().catalogue.stones;
   stones.push_back(stones[1]);
   const DetectionModels models(stones, field().options);
-  const auto found = find_in_views({field().view}, models, {1_stone}, {}, {}, field().options);
+  const auto found = find_in_views({field().view}, models, {1_stone}, {}, field().options);
   ASSERT_EQ(found.size(), 1U);
   EXPECT_LT(found[0].certainty, 0.7) << "it may be its twin";
   for (const Sighting& s : field().seen) EXPECT_GT(s.certainty, 0.9);
+}
+
+/// The same view with the bare table where the stone is.
+CameraView without(CameraView view, const Sighting& stone) {
+  DepthImage& image = view.image;
+  const Eigen::Vector3d p_W_eye = view.T_W_C.translation();
+  for (int v = 0; v < image.camera.height; ++v)
+    for (int u = 0; u < image.camera.width; ++u) {
+      const Eigen::Vector3d ray_C = deproject(image.camera, u, v);
+      const Eigen::Vector3d p_W = view.T_W_C * Eigen::Vector3d(image.at(u, v) * ray_C);
+      if ((p_W - stone.T_W_O.translation()).head<2>().norm() > 0.12) continue;
+      image.z[static_cast<std::size_t>(v * image.camera.width + u)] =
+          static_cast<float>(-p_W_eye.z() / (view.T_W_C.linear() * ray_C).z());
+    }
+  return view;
+}
+
+TEST(FindInViews, AStoneThatWasNotKnownCountsOnlyIfAllViewsTogetherShowIt) {
+  const auto find = [&](const std::vector<CameraView>& views, const std::vector<StoneIndex>& known) {
+    return find_in_views(views, field().models, {1_stone}, {{}, known}, field().options).size();
+  };
+  const CameraView& view = field().view;
+  const CameraView bare = without(view, field().seen[0]);
+  EXPECT_EQ(find({bare}, {1_stone}), 0U);
+  EXPECT_EQ(find({view, view}, {}), 1U);
+  EXPECT_EQ(find({view, bare}, {}), 0U) << "the other view shows the table there";
+  EXPECT_EQ(find({view, bare}, {1_stone}), 1U) << "a known stone is somewhere";
 }
 
 TEST(FindInViews, AStoneThatMovedFarIsFoundAnew) {

@@ -76,15 +76,23 @@ struct Sighting {
   double certainty = 1.0;         ///< of this stone in this pose: Detection::certainty
 };
 
-/// Finds `wanted` stones in every view and keeps, for each, the sighting with the best score; of those
-/// missing then the ones in `together` are searched in all views at once, as one may show what another hides.
-/// Stones that were seen `before` are looked for where they were first; what is found there is not searched
-/// elsewhere, nor are stones of the stack that are hidden below one that is found in its place.
+/// What is known of the stones of a scene before it is viewed.
+struct KnownScene {
+  Arrangement before;             ///< where stones were seen last
+  std::vector<StoneIndex> known;  ///< stones that are somewhere in the scene
+  bool first = false;             ///< any stone may be there
+};
+
+/// Finds `wanted` stones in every view and keeps, for each, the sighting with the best score. Those that no
+/// view shows are searched in all views at once, as one may show what another hides, if they are known, or in
+/// a first observation. A stone that is not known counts only if all views at once show it: one view may see
+/// little of a thing that is no stone. Stones that were seen before are looked for where they were first;
+/// what is found there is not searched elsewhere, nor are stones of the stack that are hidden below one that
+/// is found in its place.
 [[nodiscard]] std::vector<Sighting> find_in_views(const std::vector<CameraView>& views,
                                                   const DetectionModels& models,
                                                   const std::vector<StoneIndex>& wanted,
-                                                  const std::vector<StoneIndex>& together,
-                                                  const Arrangement& before, const DetectionOptions& options);
+                                                  const KnownScene& scene, const DetectionOptions& options);
 
 }  // namespace stonestack::stacking
 
