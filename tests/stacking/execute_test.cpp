@@ -173,6 +173,38 @@ TEST(Execute, RetreatsAsFarAsThePlanHasClearance) {
   EXPECT_NEAR(retreated(), 0.05, 1e-6);
 }
 
+TEST(Execute, RetreatsAsFarAsTheArmCanFollow) {
+  Bench bench;
+  // The tool points at the base, so that back is outwards, and the arm is nearly stretched.
+  const Pose towards_base(Eigen::AngleAxisd(-M_PI_2, Eigen::Vector3d::UnitY()));
+  constexpr double kStep = 0.001;
+  std::vector<Joints> outwards;
+  for (double x = 0.6;; x += kStep) {
+    const Joints near = outwards.empty() ? home_joints() : outwards.back();
+    const auto solutions =
+        inverse(bench.scene.robot, Eigen::Translation3d(x, 0.15, 0.6) * towards_base, near);
+    if (solutions.empty() || (!outwards.empty() && (solutions.front().q - near).norm() > 0.5)) break;
+    outwards.push_back(solutions.front().q);
+  }
+  const auto before_end = [&](double distance) {
+    return outwards[outwards.size() - 1 - static_cast<std::size_t>(std::lround(distance / kStep))];
+  };
+  const auto back_from = [&](double distance) {
+    bench.arm.q = before_end(distance);
+    const auto done = bench.run({Status::kNoContact, Status::kContact});
+    EXPECT_EQ(done.status, ExecutionResult::Status::kReleased) << done.reason;
+    return (forward(bench.scene.robot, bench.arm.followed.q.back()).translation() -
+            forward(bench.scene.robot, bench.arm.q).translation())
+        .norm();
+  };
+  const double approach = MotionOptions{}.approach;
+  ASSERT_GT(outwards.size(), 2 * std::size_t(approach / kStep));
+  EXPECT_NEAR(back_from(1.1 * approach), approach, 1e-6);
+  EXPECT_NEAR(back_from(0.6 * approach), 0.5 * approach, 1e-6);
+  bench.arm.q = before_end(0.1 * approach);
+  EXPECT_EQ(bench.run({Status::kNoContact, Status::kContact}).status, ExecutionResult::Status::kStopped);
+}
+
 TEST(Execute, NearTheTableTheGripperRetreatsBeforeItOpensWide) {
   Bench bench;
   bench.plan.steps.insert(bench.plan.steps.begin() + 4, bench.plan.steps[3]);  // let go, then open wide
