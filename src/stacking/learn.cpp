@@ -116,7 +116,7 @@ void learn_from_placing(RunMemory& memory, const Attempt& attempt, const Placeme
     memory.failed_grasps[attempt.placement.stone].push_back(attempt.T_O_T);
     if (missed_picks(memory.records, record.stone) < options.pick_attempts) return;
   }
-  if (++memory.failures < options.max_failures && record.outcome != Outcome::kLost) return;
+  if (++memory.failures < options.max_failures) return;
   memory.failure = {RunEnd::kPlacementFailed,
                     concat("placing ", record.stone, " failed: ", to_text(record.outcome),
                            record.note.empty() ? "" : ", " + record.note)};
