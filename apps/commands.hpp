@@ -19,6 +19,8 @@ void add_check(CLI::App& app);
 void add_plan(CLI::App& app);
 void add_run(CLI::App& app);
 void add_decide(CLI::App& app);
+void add_inspect(CLI::App& app);
+void add_replay(CLI::App& app);
 void add_export(CLI::App& app);
 void add_experiment(CLI::App& app);
 void add_simulate(CLI::App& app);

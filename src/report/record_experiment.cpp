@@ -180,9 +180,13 @@ class Runs {
     log_info(concat("run ", k, " of ", order_.runs));
     RecordedRun made;
     try {
-      const Catalogue catalogue = stones_of(k, run);
+      Catalogue catalogue = stones_of(k, run);
       const auto present = present_in(catalogue, run);
       const RecordFolder place(empty_run_folder(k));
+      if (run.build.save_states && !std::filesystem::is_directory(catalogue.path)) {
+        catalogue.path = place.path() + "/stones";
+        for (const Stone& stone : catalogue.stones) write_stone(catalogue.path, stone);
+      }
       made = perform(run, catalogue, order_.robot, present, place, order_.version,
                      order_.survival ? &survival_ : nullptr);
       done.unwritten = made.unwritten;

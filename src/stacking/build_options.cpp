@@ -47,7 +47,8 @@ FieldList fields(BuildOptions& o) {
              user(field("unseen", o.unseen,
                         "true: the arm's camera models the stones before it builds; no catalogue is known")),
              field("save_states", o.save_states,
-                   "true: the state before each decision is written into the run's folder, for `decide`")})});
+                   "true: the state before each decision, for `decide`, and what the devices answer, for "
+                   "`replay`, are written into the run's folder")})});
 }
 
 std::vector<double> assumed_frictions(const BuildOptions& options) {

@@ -7,10 +7,12 @@
 #include "hardware/read_only_devices.hpp"
 #include "kinematics/fastest_tool.hpp"
 #include "stacking/choose_action.hpp"
+#include "stacking/device_tape.hpp"
 #include "stacking/learn.hpp"
 #include "stacking/plan_motion.hpp"
 #include "stacking/record.hpp"
 #include "stacking/recorded_devices.hpp"
+#include "stacking/replay.hpp"
 #include "stacking/state_file.hpp"
 #include "stacking/stepped_devices.hpp"
 #include "stacking/workcell.hpp"
@@ -231,9 +233,18 @@ RunResult run_with(Cell& cell, const Catalogue& catalogue, const RobotModel& rob
 
 RunResult build_tower(Cell& cell, const Catalogue& catalogue, const RobotModel& robot,
                       const BuildOptions& options, const BuildHooks& hooks) {
-  return run_with(cell, catalogue, robot, options, hooks, [&](Workcell& workcell, StateWriter& states) {
-    return build(workcell, states, hooks.journal);
-  });
+  const auto run_in = [&](Cell& devices) {
+    return run_with(devices, catalogue, robot, options, hooks, [&](Workcell& workcell, StateWriter& states) {
+      return build(workcell, states, hooks.journal);
+    });
+  };
+  if (!options.save_states || hooks.states_folder.empty()) return run_in(cell);
+  const std::string inputs = hooks.states_folder + kInputsFolder;
+  write_start(inputs, cell.layout, catalogue, robot, options, hooks.journal);
+  const auto tape = record_devices(inputs);
+  TapedDevices taped(cell, *tape);
+  Cell devices = taped.cell();
+  return run_in(devices);
 }
 
 FirstStep plan_first_step(Cell& cell, const Catalogue& catalogue, const RobotModel& robot,

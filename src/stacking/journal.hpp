@@ -21,6 +21,8 @@ class Journal {
   /// value.
   /// @throws FileError when the disk refuses.
   void record(const std::string& kind, const std::string& data_json);
+  /// Number of lines that it has.
+  [[nodiscard]] long lines() const { return next_; }
   /// Keeps the name of the step that begins, for who asks before it.
   void begin_step(const std::string& name) { step_ = name; }
   /// Name of the step that began last; empty before the first.

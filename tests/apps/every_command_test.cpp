@@ -55,6 +55,8 @@ TEST_F(EveryCommand, RefusesBadUsageWithExitCode2) {
       {"run --view-port 80", "--view"},
       {"run -q -v", "--quiet"},
       {"decide", "state is required"},
+      {"inspect", "run is required"},
+      {"replay", "run is required"},
       {"calibrate", "--simulate"},
       {"search", "--stones"},
       {"experiment --runs none", "--runs"},

@@ -26,7 +26,7 @@ inline std::vector<std::string> decisions(const std::string& folder, const Catal
                                           const RobotModel& robot) {
   std::vector<std::string> files;
   for (const auto& entry : std::filesystem::directory_iterator(folder))
-    files.push_back(entry.path().string());
+    if (entry.is_regular_file()) files.push_back(entry.path().string());
   std::sort(files.begin(), files.end());
   std::optional<Models> models;
   std::vector<std::string> names;

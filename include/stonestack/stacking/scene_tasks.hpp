@@ -176,6 +176,40 @@ struct DecisionReport {
 /// @throws FileError that names what is missing or unknown; InvalidArgument for an assignment.
 [[nodiscard]] DecisionReport decide(const DecisionTask& task);
 
+/// What happened in a run, by its journal.
+struct RunInspection {
+  std::string text;    ///< for a person: a line for each of the journal, then what is odd about it
+  std::string json;    ///< "stonestack.inspect/1"
+  bool whole = false;  ///< the run ended, and each line is as it was written
+};
+/// Reads the journal of a run that ended, that was killed, or that is under way.
+/// @throws FileError for a folder without one.
+[[nodiscard]] RunInspection inspect_run(const std::string& folder);
+
+/// A run to replay (`run.save_states`).
+struct ReplayTask {
+  std::string run;        ///< folder of the run
+  std::string catalogue;  ///< path; empty: as the run says
+  std::string cell;       ///< cell that the run was performed in; empty: in none with a file
+};
+/// A run whose decisions were made again.
+struct Replay {
+  long recorded = 0;       ///< lines of the journal that were to come again
+  long same = 0;           ///< of these, lines that came again, to the last digit, before the first other one
+  bool complete = true;    ///< false: the record of the devices ends before the run, which was killed perhaps
+  std::string difference;  ///< first line that differs, recorded and now; empty: none
+  std::string journal;     ///< path of the journal that the replay wrote
+};
+/// Performs a recorded run again with the recorded answers of its devices, and compares the journals: every
+/// observation, decision, motion and outcome. Nothing moves. `report` receives what a run tells a person.
+/// @throws FileError for a run without such a record, or without its stones; Interrupted
+[[nodiscard]] Replay replay_run(const ReplayTask& task,
+                                const std::function<void(const std::string&)>& report = {});
+/// "stonestack.replay/1".
+[[nodiscard]] std::string replay_json(const Replay& replay);
+/// Two lines for a person, and what differs.
+[[nodiscard]] std::string replay_text(const Replay& replay);
+
 }  // namespace stonestack::stacking
 
 #pragma GCC visibility pop
