@@ -34,7 +34,7 @@ std::string place_of(const json& data) {
 
 using Words = std::string (*)(const json& data);
 
-/// What each kind of line says, for a person. Measurements of a step are indented below it.
+/// Text of each kind of line, for a person. Measurements of a step are indented below it.
 const std::map<std::string, Words>& words() {
   static const std::map<std::string, Words> list{
       {"observed",

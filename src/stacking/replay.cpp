@@ -37,7 +37,7 @@ Pose exact_pose_of(const json& j) {
   return pose;
 }
 
-/// What a replay starts from.
+/// Start of a replay.
 struct Start {
   Catalogue catalogue;
   RobotModel robot;

@@ -104,7 +104,7 @@ TEST(FindInViews, HowCertainItIsWhichStoneItIsComesAlong) {
   for (const Sighting& s : field().seen) EXPECT_GT(s.certainty, 0.9);
 }
 
-/// The same view with the bare table where the stone is.
+/// View with the bare table where the stone is.
 CameraView without(CameraView view, const Sighting& stone) {
   DepthImage& image = view.image;
   const Eigen::Vector3d p_W_eye = view.T_W_C.translation();

@@ -76,7 +76,7 @@ struct Sighting {
   double certainty = 1.0;         ///< of this stone in this pose: Detection::certainty
 };
 
-/// What is known of the stones of a scene before it is viewed.
+/// Knowledge of the stones of a scene before it is viewed.
 struct KnownScene {
   Arrangement before;             ///< where stones were seen last
   std::vector<StoneIndex> known;  ///< stones that are somewhere in the scene

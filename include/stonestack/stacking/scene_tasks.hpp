@@ -176,7 +176,7 @@ struct DecisionReport {
 /// @throws FileError that names what is missing or unknown; InvalidArgument for an assignment.
 [[nodiscard]] DecisionReport decide(const DecisionTask& task);
 
-/// What happened in a run, by its journal.
+/// Events of a run, by its journal.
 struct RunInspection {
   std::string text;    ///< for a person: a line for each of the journal, then what is odd about it
   std::string json;    ///< "stonestack.inspect/1"
