@@ -28,6 +28,7 @@ void add_doctor(CLI::App& app);
 void add_record(CLI::App& app);
 void add_rearm(CLI::App& app);
 void add_setup(CLI::App& app);
+void add_view(CLI::App& app);
 void add_calibrate(CLI::App& app);
 void add_config(CLI::App& app);
 void add_completion(CLI::App& app);

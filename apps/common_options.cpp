@@ -63,7 +63,7 @@ Catalogue CommonOptions::read() const {
   return read_catalogue(catalogue.empty() ? data_path("stones") : catalogue);
 }
 
-void add_view(CLI::App& command, LiveView& view) {
+void add_live_view(CLI::App& command, LiveView& view) {
   CLI::Option* const wanted = command.add_flag(
       "--view", view.wanted,
       "Serve the report while it grows, on 127.0.0.1; its stop button needs the printed token");

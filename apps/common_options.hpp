@@ -45,7 +45,7 @@ struct CommonOptions {
 void register_stone_options(CLI::App& command, ModelOptions& options);
 
 /// --view and --view-port: a page of the work under way.
-void add_view(CLI::App& command, LiveView& view);
+void add_live_view(CLI::App& command, LiveView& view);
 
 /// --per-run: how many stones of the catalogue lie in the field.
 struct PerRun {

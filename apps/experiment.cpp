@@ -120,7 +120,7 @@ void add_experiment(CLI::App& app) {
   sub.add_option("--merge", command.merge, "Join the records of shards into one in the folder --out")
       ->type_name("DIR");
   command.app = &sub;
-  add_view(sub, order.view);
+  add_live_view(sub, order.view);
   command.common.register_on(sub);
   sub.footer(
       "Run k of seed S has the seed 1000 S + k. Heights are the simulated world's own, after 60 s.\n"

@@ -15,14 +15,14 @@ void set_up(CLI::App& app) {
       "            6 planning or execution failed, 7 safety stop, 130 interrupted");
   const std::initializer_list<void (*)(CLI::App&)> commands{
       // in the order of the help
-      stonestack::apps::add_scan,      stonestack::apps::add_render,     stonestack::apps::add_detect,
-      stonestack::apps::add_segment,   stonestack::apps::add_model,      stonestack::apps::add_track,
-      stonestack::apps::add_search,    stonestack::apps::add_check,      stonestack::apps::add_plan,
-      stonestack::apps::add_run,       stonestack::apps::add_decide,     stonestack::apps::add_inspect,
-      stonestack::apps::add_replay,    stonestack::apps::add_export,     stonestack::apps::add_experiment,
-      stonestack::apps::add_simulate,  stonestack::apps::add_doctor,     stonestack::apps::add_record,
-      stonestack::apps::add_calibrate, stonestack::apps::add_rearm,      stonestack::apps::add_setup,
-      stonestack::apps::add_config,    stonestack::apps::add_completion,
+      stonestack::apps::add_scan,      stonestack::apps::add_render, stonestack::apps::add_detect,
+      stonestack::apps::add_segment,   stonestack::apps::add_model,  stonestack::apps::add_track,
+      stonestack::apps::add_search,    stonestack::apps::add_check,  stonestack::apps::add_plan,
+      stonestack::apps::add_run,       stonestack::apps::add_decide, stonestack::apps::add_inspect,
+      stonestack::apps::add_replay,    stonestack::apps::add_export, stonestack::apps::add_experiment,
+      stonestack::apps::add_simulate,  stonestack::apps::add_doctor, stonestack::apps::add_record,
+      stonestack::apps::add_calibrate, stonestack::apps::add_rearm,  stonestack::apps::add_setup,
+      stonestack::apps::add_view,      stonestack::apps::add_config, stonestack::apps::add_completion,
   };
   for (const auto add : commands) add(app);
 }

@@ -125,7 +125,7 @@ void add_run(CLI::App& app) {
            "With --unseen: keep the modelled stones here (default: in the run's folder, stones)", "DIR");
   sub.add_option("--out", command.order.out,
                  "Folder for journal, options, picture and report (default: runs/<time>-<seed>)");
-  add_view(sub, command.order.view);
+  add_live_view(sub, command.order.view);
   command.common.register_on(sub);
   sub.footer(
       "Without hardware the tower is built in a simulated cell that keeps its truth to itself.\n"

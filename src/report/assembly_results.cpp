@@ -2,6 +2,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "report/drawn_arm.hpp"
 #include "report/picture.hpp"
 #include "report/text.hpp"
 #include "stonestack/core/file.hpp"
@@ -29,18 +30,6 @@ nlohmann::json vector_json(const Eigen::Vector3d& v) {
 
 double turn_degrees(const Eigen::Vector2d& direction) {
   return std::atan2(direction.y(), direction.x()) * 180.0 / M_PI;
-}
-
-/// A bar of a square section from `p` to `q`.
-DrawnMesh bar(const Eigen::Vector3d& p, const Eigen::Vector3d& q, double width,
-              const Eigen::Vector3d& colour) {
-  const double length = std::max((q - p).norm(), 1e-6);
-  const Eigen::Vector3d along = (q - p).norm() > 1e-9 ? Eigen::Vector3d((q - p) / (q - p).norm())
-                                                      : Eigen::Vector3d(Eigen::Vector3d::UnitZ());
-  Pose T_W_A = Pose::Identity();
-  T_W_A.linear() = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), along).toRotationMatrix();
-  T_W_A.translation() = 0.5 * (p + q);
-  return {make_box({width, width, length}), T_W_A, colour};
 }
 
 /// How an assembly is drawn: scaled and moved to `site`, its lowest point there.
@@ -194,7 +183,7 @@ void draw_assembly(const std::string& path, const AssemblyCheck& check) {
     const Eigen::Vector3d p = place(b.contacts[i].p_W);
     meshes.push_back({make_sphere(0.004, 1), Pose(Eigen::Translation3d(p)), {0.15, 0.35, 0.75}});
     const Eigen::Vector3d half = 0.5 * scale * b.forces_W[i];
-    if (half.norm() > 1e-3) meshes.push_back(bar(p - half, p + half, 0.003, {0.85, 0.15, 0.10}));
+    if (half.norm() > 1e-3) meshes.push_back(drawn_bar(p - half, p + half, 0.003, {0.85, 0.15, 0.10}));
   }
   View view;
   view.p_W_target = place.site + Eigen::Vector3d(0.0, 0.0, 0.5 * place.height);

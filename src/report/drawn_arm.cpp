@@ -1,5 +1,7 @@
 #include "report/drawn_arm.hpp"
 
+#include <algorithm>
+
 #include "motion/grasp/finger_reach.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 
@@ -17,6 +19,17 @@ Mesh capsule_mesh(const LinkCapsule& capsule) {
 }
 
 }  // namespace
+
+DrawnMesh drawn_bar(const Eigen::Vector3d& p, const Eigen::Vector3d& q, double width,
+                    const Eigen::Vector3d& colour) {
+  const double length = std::max((q - p).norm(), 1e-6);
+  const Eigen::Vector3d along = (q - p).norm() > 1e-9 ? Eigen::Vector3d((q - p) / (q - p).norm())
+                                                      : Eigen::Vector3d(Eigen::Vector3d::UnitZ());
+  Pose T_W_A = Pose::Identity();
+  T_W_A.linear() = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), along).toRotationMatrix();
+  T_W_A.translation() = 0.5 * (p + q);
+  return {make_box({width, width, length}), T_W_A, colour};
+}
 
 std::vector<DrawnMesh> drawn_arm(const RobotModel& robot, const GripperModel& gripper, const Pose& T_W_R,
                                  const Pose& T_F_T, const ArmPose& pose) {

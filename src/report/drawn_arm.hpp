@@ -4,8 +4,12 @@
 #include "report/picture.hpp"
 #include "stonestack/motion/planning_scene.hpp"
 
-/// Private to report/: the arm in pictures.
+/// Private to report/: the arm in pictures, and lines.
 namespace stonestack::report {
+
+/// A bar of a square section from `p` to `q`.
+[[nodiscard]] DrawnMesh drawn_bar(const Eigen::Vector3d& p, const Eigen::Vector3d& q, double width,
+                                  const Eigen::Vector3d& colour);
 
 /// Pose of the arm and its gripper.
 struct ArmPose {

@@ -3,10 +3,12 @@
 #include <png.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <csetjmp>
 #include <cstring>
+#include <optional>
 
 #include "geometry/depth_render.hpp"
 #include "stonestack/core/error.hpp"
@@ -16,7 +18,6 @@
 namespace stonestack::report {
 namespace {
 
-constexpr double kTableHalf = 1.6;  // m
 constexpr int kSkyRays = 32;        // ambient occlusion rays a pixel
 constexpr double kSkyReach = 0.5;   // m: what is further away hides no sky
 constexpr int kSamplesPerSide = 2;  // 2 x 2 rays a pixel, each with its share of the sky
@@ -27,9 +28,8 @@ const Eigen::Vector3d kTableColour(0.58, 0.60, 0.62);
 const Eigen::Vector3d kSky(0.86, 0.90, 0.96);
 const Eigen::Vector3d kSun = Eigen::Vector3d(-0.35, -0.65, 0.85).normalized();
 
-Mesh make_table() {
+Mesh make_table(double h) {
   Mesh table;
-  const double h = kTableHalf;
   table.vertices = {{-h, -h, 0}, {h, -h, 0}, {h, h, 0}, {-h, h, 0}};
   table.faces = {{0, 1, 2}, {0, 2, 3}};
   return table;
@@ -51,12 +51,23 @@ std::vector<Eigen::Vector3d> sky_directions() {
 struct Painter {
   const std::vector<DrawnMesh>& meshes;
   RayScene scene;
+  std::optional<RayScene> solids;  ///< where not all meshes of the scene are solid
   std::vector<Eigen::Vector3d> sky = sky_directions();
 
-  explicit Painter(const std::vector<DrawnMesh>& drawn) : meshes(drawn) {
-    scene.add(make_table(), Pose(Eigen::Translation3d(0.7, 0.1, 0.0)));
-    for (const auto& item : meshes) scene.add(item.mesh, item.T_W_A);
-    scene.commit();
+  Painter(const std::vector<DrawnMesh>& drawn, double table) : meshes(drawn) {
+    fill(scene, table, true);
+    if (std::all_of(meshes.begin(), meshes.end(), [](const DrawnMesh& item) { return item.solid; })) return;
+    fill(solids.emplace(), table, false);
+  }
+  void fill(RayScene& rays, double table, bool lines) const {
+    rays.add(make_table(table), Pose(Eigen::Translation3d(0.7, 0.1, 0.0)));
+    for (const auto& item : meshes)
+      if (lines || item.solid) rays.add(item.mesh, item.T_W_A);
+    rays.commit();
+  }
+  [[nodiscard]] bool is_blocked(const Eigen::Vector3d& point, const Eigen::Vector3d& ray,
+                                double reach) const {
+    return (solids ? *solids : scene).is_blocked(point, ray, reach);
   }
 
   [[nodiscard]] Eigen::Vector3d colour(const Eigen::Vector3d& eye, const Eigen::Vector3d& ray, int sample,
@@ -68,7 +79,7 @@ struct Painter {
     const Eigen::Vector3d base =
         hit.instance == 0 ? kTableColour : meshes[static_cast<std::size_t>(hit.instance - 1)].colour;
     const double facing = std::max(0.0, normal.dot(kSun));
-    const double sun = facing > 0 && !scene.is_blocked(point, kSun, kSunReach) ? facing : 0.0;
+    const double sun = facing > 0 && !is_blocked(point, kSun, kSunReach) ? facing : 0.0;
     const Eigen::Vector3d light =
         0.62 * sun * Eigen::Vector3d(1.0, 0.96, 0.88) + 0.52 * openness(point, normal, sample, turn) * kSky;
     return base.cwiseProduct(light);
@@ -81,7 +92,7 @@ struct Painter {
     const Eigen::Quaterniond about(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()));
     int open = 0;
     for (int i = sample; i < kSkyRays; i += kSamples)
-      if (!scene.is_blocked(point, tilt * (about * sky[static_cast<std::size_t>(i)]), kSkyReach)) ++open;
+      if (!is_blocked(point, tilt * (about * sky[static_cast<std::size_t>(i)]), kSkyReach)) ++open;
     return static_cast<double>(open) * kSamples / kSkyRays;
   }
 };
@@ -116,7 +127,7 @@ Picture draw(const std::vector<DrawnMesh>& meshes, const View& view) {
           view.width, " x ", view.height, " pixels; sides must be in [1, 8192]");
   require((view.p_W_target - view.p_W_eye).cross(Eigen::Vector3d::UnitZ()).norm() > 1e-6,
           "the view must not look straight up or down");
-  const Painter painter(meshes);
+  const Painter painter(meshes, view.table);
   const Lens lens(view);
   Picture picture{view.width, view.height,
                   std::vector<std::uint8_t>(static_cast<std::size_t>(view.width) *
@@ -139,21 +150,27 @@ Picture draw(const std::vector<DrawnMesh>& meshes, const View& view) {
   return picture;
 }
 
-void write_png(const std::string& path, const Picture& picture) {
+std::string png_bytes(const Picture& picture) {
   png_image image;
   std::memset(&image, 0, sizeof image);
   image.version = PNG_IMAGE_VERSION;
   image.width = static_cast<png_uint_32>(picture.width);
   image.height = static_cast<png_uint_32>(picture.height);
   image.format = PNG_FORMAT_RGB;
+  const auto encode_into = [&](void* to, png_alloc_size_t& size) {
+    if (png_image_write_to_memory(&image, to, &size, 0, picture.rgb.data(), 0, nullptr) == 0)
+      throw FileError("picture", concat("cannot be encoded: ", image.message), "report it");
+  };
   png_alloc_size_t size = 0;
-  if (png_image_write_to_memory(&image, nullptr, &size, 0, picture.rgb.data(), 0, nullptr) == 0)
-    throw FileError(path, concat("cannot be encoded: ", image.message), "report it");
+  encode_into(nullptr, size);
   std::string bytes(size, '\0');
-  if (png_image_write_to_memory(&image, bytes.data(), &size, 0, picture.rgb.data(), 0, nullptr) == 0)
-    throw FileError(path, concat("cannot be encoded: ", image.message), "report it");
+  encode_into(bytes.data(), size);
   bytes.resize(size);
-  write_file(path, bytes);
+  return bytes;
+}
+
+void write_png(const std::string& path, const Picture& picture) {
+  write_file(path, png_bytes(picture));
 }
 
 }  // namespace stonestack::report

@@ -19,6 +19,7 @@ struct DrawnMesh {
   Mesh mesh;
   Pose T_W_A = Pose::Identity();
   Eigen::Vector3d colour{0.75, 0.72, 0.66};  ///< 0..1
+  bool solid = true;                         ///< false: a line of a drawing, which casts no shadow
 };
 
 /// Where the picture is taken from.
@@ -27,11 +28,14 @@ struct View {
   Eigen::Vector3d p_W_target{0.7, 0.28, 0.15};
   double angle = 0.6;  ///< vertical field of view [rad]
   int width = 1200, height = 900;
+  double table = 1.6;  ///< half of the table's edge [m]
 };
 
 /// Soft-lit, with shadows and ambient occlusion, on a table; drawn with rays, without a display.
 /// Deterministic.
 [[nodiscard]] Picture draw(const std::vector<DrawnMesh>& meshes, const View& view);
+/// Content of a PNG file.
+[[nodiscard]] std::string png_bytes(const Picture& picture);
 void write_png(const std::string& path, const Picture& picture);
 
 /// Meshes of stones at poses in stone-like colours, one a stone.

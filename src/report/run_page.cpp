@@ -32,6 +32,8 @@ double rounded(double value, double unit = 1e-5) {
   return std::round(value / unit) * unit;
 }
 
+}  // namespace
+
 json numbers(const Eigen::Vector3d& v) {
   return {rounded(v.x()), rounded(v.y()), rounded(v.z())};
 }
@@ -42,6 +44,8 @@ json numbers(const Pose& pose) {
   return {rounded(p.x()), rounded(p.y()), rounded(p.z()), rounded(q.x()),
           rounded(q.y()), rounded(q.z()), rounded(q.w())};
 }
+
+namespace {
 
 template <class Number>
 std::string packed(const std::vector<Number>& values) {
@@ -57,6 +61,8 @@ json stone_entry(const Stone& stone) {
     for (int i = 0; i < 3; ++i) faces.push_back(static_cast<std::uint16_t>(face[i]));
   return {{"name", stone.name}, {"vertices", packed(vertices)}, {"faces", packed(faces)}};
 }
+
+}  // namespace
 
 json robot_entry(const RobotModel& robot, const CellLayout& layout) {
   constexpr double kReachStep = 0.005;  // m of opening
@@ -78,6 +84,8 @@ json robot_entry(const RobotModel& robot, const CellLayout& layout) {
           {"T_F_T", numbers(layout.T_F_T)},    {"capsules", capsules},     {"boxes", boxes},
           {"spacing", gripper.finger_spacing}, {"reach", reach},           {"reach_step", kReachStep}};
 }
+
+namespace {
 
 /// Contacts of a resting tower with their forces: impulses of the settled world, scaled so that the table
 /// carries the weight.
@@ -396,11 +404,11 @@ json changes_of(const RunReport& report, const Catalogue& catalogue, const Robot
   return page;
 }
 
+}  // namespace
+
 std::string one_line(const json& page) {
   return page.dump(-1, ' ', false, json::error_handler_t::replace);
 }
-
-}  // namespace
 
 std::string page_changes(const RunReport& report, const Catalogue& catalogue, const RobotModel& robot,
                          PagePosition& from) {

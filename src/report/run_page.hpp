@@ -1,6 +1,7 @@
 #pragma once
 #include <cstddef>
 #include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,15 @@
 
 /// Private to report/: the data of a run's page.
 namespace stonestack::report {
+
+/// [x, y, z] of a page, to 0.01 mm.
+[[nodiscard]] nlohmann::json numbers(const Eigen::Vector3d& v);
+/// [x, y, z, qx, qy, qz, qw] of a page, likewise.
+[[nodiscard]] nlohmann::json numbers(const Pose& pose);
+/// Arm and gripper as makeArm of src/report/page/scene.js draws them.
+[[nodiscard]] nlohmann::json robot_entry(const RobotModel& robot, const CellLayout& layout);
+/// Data of a page as one line; bytes that are no UTF-8 are replaced.
+[[nodiscard]] std::string one_line(const nlohmann::json& page);
 
 /// Data that the page's scripts draw (src/report/page): one JSON object. Poses are [x, y, z, qx, qy, qz, qw]
 /// in W, lengths in metres, times in seconds from the first sample; stones are indices into `stones`.

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "report/base64.hpp"
+#include "report/cell_page.hpp"
 #include "report/modelling_results.hpp"
 #include "report/picture.hpp"
 #include "report/run_page.hpp"
@@ -17,7 +18,7 @@ namespace stonestack::report {
 
 // Files of src/report/page and three.js, embedded by the build.
 extern const std::string_view kPageHtml, kPageCss, kElementsJs, kSceneJs, kPageJs, kThreeJs, kLiveJs,
-    kExperimentHtml, kExperimentJs;
+    kExperimentHtml, kExperimentJs, kCellHtml, kCellJs;
 
 namespace {
 
@@ -82,11 +83,15 @@ std::string escape(const std::string& text) {
   return safe;
 }
 
-/// JSON that may stand within a script element: no "</" in it.
-std::string within_script(std::string text) {
-  for (std::size_t at = 0; (at = text.find("</", at)) != std::string::npos; at += 3)
-    text.replace(at, 2, "<\\/");
-  return text;
+/// JSON that may stand within a script element: no tag and no comment begins in it.
+std::string within_script(const std::string& text) {
+  std::string safe;
+  for (const char c : text)
+    if (c == '<')
+      safe += "\\u003c";
+    else
+      safe += c;
+  return safe;
 }
 
 std::string summary(const RunReport& report) {
@@ -210,6 +215,14 @@ std::string experiment_page(const std::string& data, const std::string& text) {
   page.append(kExperimentHtml).append("<noscript><pre>").append(escape(text)).append("</pre></noscript>\n");
   page += script("const experiment = " + within_script(data) + ";\n") + script(kElementsJs) +
           script(kLiveJs) + script(kExperimentJs);
+  return page + "</body>\n</html>\n";
+}
+
+std::string cell_page(const std::string& title, const std::string& text, const std::string& data) {
+  std::string page = page_head(title);
+  page.append(kCellHtml).append("<noscript><pre>").append(escape(text)).append("</pre></noscript>\n");
+  page += script(kThreeJs) + script("const run = " + within_script(data) + ";\n");
+  page += script(kElementsJs) + script(kSceneJs) + script(kCellJs);
   return page + "</body>\n</html>\n";
 }
 

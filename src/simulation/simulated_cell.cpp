@@ -1,6 +1,6 @@
 #include "stonestack/simulation/simulated_cell.hpp"
 
-#include "kinematics/inverse.hpp"
+#include "hardware/ready_joints.hpp"
 #include "motion/collision/mounted_gripper.hpp"
 #include "simulation/foreign_object.hpp"
 #include "simulation/scatter.hpp"
@@ -11,25 +11,6 @@
 
 namespace stonestack::simulation {
 namespace {
-
-constexpr double kStartHeight = 0.45;  // m, finger tips over the field: the camera's view holds all of it
-
-// Fingers down over the middle of the field, or over the nearest place towards the base that can be reached.
-Joints start_joints(const RobotModel& robot, const CellLayout& layout) {
-  Joints seed;
-  seed << 0.0, -1.57, 1.57, -1.57, -1.57, 0.0;
-  const Eigen::Matrix3d down =
-      Eigen::AngleAxisd(3.14159265358979323846, Eigen::Vector3d::UnitX()).toRotationMatrix();
-  for (double share = 1.0; share > 0.3; share -= 0.05) {
-    Pose T_W_T = Pose::Identity();
-    const Eigen::Vector2d base = layout.T_W_R.translation().head<2>();
-    T_W_T.linear() = down;
-    T_W_T.translation() << base + share * (layout.field_centre - base), kStartHeight;
-    const auto solutions = inverse(robot, layout.T_W_R.inverse() * T_W_T * layout.T_F_T.inverse(), seed);
-    if (!solutions.empty()) return solutions.front().q;
-  }
-  return seed;
-}
 
 /// Everything that lies in the cell: the stones as they are, then what no catalogue has.
 std::vector<Stone> real_stones(const std::vector<Stone>& scanned, const SimulationOptions& options) {
@@ -70,12 +51,12 @@ struct SimulatedCell::Parts {
         const CellLayout& layout, const SimulationOptions& options)
       : stones(real_stones(all, options)),
         assumed(layout),
-        mounting(draw_mounting(layout, options, robot, start_joints(robot, layout))),
+        mounting(draw_mounting(layout, options, robot, ready_joints(robot, layout))),
         world(stones, with_foreign(present, all.size(), options), true_gripper(layout), options,
               {TrueTable(options, 0.5 * (layout.site + layout.field_centre)), options.foreign_objects}),
         clock(world),
         force_torque(world, mounting, options),
-        arm(world, robot, mounting, force_torque, options, start_joints(robot, layout), layout.T_W_R),
+        arm(world, robot, mounting, force_torque, options, ready_joints(robot, layout), layout.T_W_R),
         gripper(world),
         camera(world, stones, mounting, options),
         shared(world, mounting, robot, stones, options) {}

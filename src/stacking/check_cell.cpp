@@ -8,6 +8,7 @@
 #include "hardware/ur/primary_client.hpp"
 #include "hardware/ur/ur_status.hpp"
 #include "stacking/check_hand_eye.hpp"
+#include "stacking/examination.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 
@@ -155,36 +156,6 @@ std::string take_frames(const CellConfig& cell, int frames, CellView& view) {
   return text;
 }
 
-/// Runs the checks in order and keeps what each found.
-class Examination {
- public:
-  explicit Examination(const CellCheckOptions& options) : options_(options) {}
-
-  /// `view` returns what it found, or throws with what is wrong.
-  template <class SearchView>
-  void check(const std::string& device, const std::string& step, const SearchView& view) {
-    throw_if_interrupted();
-    CellCheck done{device, step, CellCheck::Verdict::kPassed, ""};
-    try {
-      const Found found{view()};
-      done.text = found.text;
-      if (found.to_do) done.verdict = CellCheck::Verdict::kNote;
-    } catch (const Interrupted&) {
-      throw;
-    } catch (const Error& problem) {
-      done.verdict = CellCheck::Verdict::kFailed;
-      done.text = problem.what();
-    }
-    if (options_.on_check) options_.on_check(done);
-    report_.checks.push_back(done);
-  }
-  [[nodiscard]] const CellReport& report() const { return report_; }
-
- private:
-  const CellCheckOptions& options_;
-  CellReport report_;
-};
-
 /// Asks RTDE first: its version tells what else there may be. PolyScope X has no Dashboard, and must not be
 /// asked to enable one.
 void examine_arm(const CellConfig& cell, CellView& view, Examination& examination) {
@@ -229,7 +200,7 @@ std::string cell_report_json(const CellReport& report) {
 }
 
 CellReport check_cell(const CellConfig& cell, const CellCheckOptions& options) {
-  Examination examination(options);
+  Examination examination(options.on_check);
   CellView view;
   examine_arm(cell, view, examination);
   examination.check("gripper", "status", [&] { return ask_gripper(cell); });

@@ -5,6 +5,7 @@
 
 #include "core/constants.hpp"
 #include "motion/collision/mounted_gripper.hpp"
+#include "stacking/route_to_view.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 
@@ -135,14 +136,19 @@ std::vector<Pose> view_poses(const CellLayout& layout, const Eigen::Vector3d& p_
   return poses;
 }
 
-std::optional<JointTrajectory> plan_route_to_view(Cell& cell, const PlanningScene& scene,
-                                                  const std::vector<Pose>& T_W_C_candidates,
-                                                  const MotionOptions& options) {
-  const Pose T_C_F = (cell.layout.T_F_T * cell.layout.T_T_C).inverse();
-  const Joints q_start = cell.arm.state().q;
+std::optional<JointTrajectory> route_to_view(const CellLayout& layout, const PlanningScene& scene,
+                                             const Joints& q_start, const std::vector<Pose>& T_W_C_candidates,
+                                             const MotionOptions& options) {
+  const Pose T_C_F = (layout.T_F_T * layout.T_T_C).inverse();
   for (const Pose& T_W_C : T_W_C_candidates)
     if (auto route = plan_transit(scene, q_start, Pose(T_W_C * T_C_F), options)) return route;
   return std::nullopt;
+}
+
+std::optional<JointTrajectory> plan_route_to_view(Cell& cell, const PlanningScene& scene,
+                                                  const std::vector<Pose>& T_W_C_candidates,
+                                                  const MotionOptions& options) {
+  return route_to_view(cell.layout, scene, cell.arm.state().q, T_W_C_candidates, options);
 }
 
 CameraView take_view(Cell& cell, const RobotModel& robot, const JointTrajectory& route) {

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "stacking/arrangement.hpp"
+#include "stacking/constants.hpp"
 #include "stacking/unknown_objects.hpp"
 #include "stacking/workcell.hpp"
 #include "stonestack/core/clock.hpp"
@@ -11,11 +12,9 @@ namespace stonestack::stacking {
 namespace {
 
 constexpr double kCertainEnough = 0.6;  // of a stone and its pose: likelier than all else together
-constexpr double kSiteHeight = 0.12;    // m: about the middle of a tower of three or four
 constexpr double kLow = 0.90;           // cosine: more than 26 deg off the vertical, so that sides are seen
 constexpr double kOtherSide = 0.5;      // cosine between two level directions that show different sides
 constexpr double kBelowTop = 0.03;      // m: where the camera points at a tower
-constexpr double kFieldHeight = 0.05;   // m: where it points at the field
 // The next view may show a stone this much beside where the last one did, and it lies as it was predicted to.
 constexpr double kSameShift = 0.015;    // m
 constexpr double kViewSameTurn = 0.10;  // rad
@@ -39,7 +38,7 @@ SiteStatus view_site(Workcell& w, Views& views) {
   const Eigen::Vector2d& site = w.cell.layout.site;
   if (site_in(views, site) == SiteStatus::kFree) return SiteStatus::kFree;
   std::vector<Pose> poses =
-      view_poses(w.cell.layout, {site.x(), site.y(), kSiteHeight}, w.options.view_distance);
+      view_poses(w.cell.layout, {site.x(), site.y(), kSiteViewHeight}, w.options.view_distance);
   std::erase_if(poses, [](const Pose& T_W_C) { return -T_W_C.linear()(2, 2) > kLow; });
   Views of_site{view_along(w, route_to(w, {{}, true}, poses))};
   const SiteStatus status = site_in(of_site, site);
@@ -148,7 +147,7 @@ Seen take_views(Workcell& w, const Expectation& expected, const WhileMoving& whi
   const auto poses = [&](const Eigen::Vector2d& p_W, double height) {
     return view_poses(w.cell.layout, {p_W.x(), p_W.y(), height}, w.options.view_distance);
   };
-  const std::vector<Pose> above_field = poses(w.cell.layout.field_centre, kFieldHeight);
+  const std::vector<Pose> above_field = poses(w.cell.layout.field_centre, kFieldViewHeight);
   if (expected.stack.empty()) {
     seen.views.push_back(view_along(w, route_to(w, scene, above_field)));
     if (expected.first && w.options.refine_camera)

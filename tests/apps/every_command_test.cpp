@@ -65,6 +65,7 @@ TEST_F(EveryCommand, RefusesBadUsageWithExitCode2) {
       {"record", "--out"},
       {"rearm", "CELL"},
       {"setup", "CELL"},
+      {"view --joints 1", "q1,q2"},
       {"completion tcsh", "SHELL"},
       {"config", "A subcommand is required"},
       {"search --levels 0", "--levels"},

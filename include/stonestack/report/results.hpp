@@ -10,6 +10,7 @@
 #include "stonestack/modelling/model_objects.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
 #include "stonestack/stacking/build_tower.hpp"
+#include "stonestack/stacking/check_cell.hpp"
 #include "stonestack/stacking/scene_tasks.hpp"
 #include "stonestack/stone/catalogue.hpp"
 #include "stonestack/stone/model_stone.hpp"
@@ -166,6 +167,29 @@ void draw_plan(const std::string& folder, const ScenePlan& planned, int width);
                                      const std::string& folder, int seed);
 /// Text table of a rendered scene.
 [[nodiscard]] std::string scene_table(const SimulatedScene& scene, const Catalogue& catalogue);
+
+/// Order to show a cell before anything moves.
+struct CellViewOrder {
+  std::string cell;  ///< path of a cell file, or name of a cell that comes with stonestack
+  /// FILE.html: a page in 3-D with the picture in it; FILE.png: the picture alone; else a folder for both.
+  /// Empty: NAME_view.html, NAME that of the cell file.
+  std::string out;
+  std::optional<Joints> q_start;  ///< where the arm stands [rad]; empty: over the middle of the field
+};
+/// A cell that was shown.
+struct ShownCell {
+  std::string cell;                ///< path of its file
+  CellPreview preview;             ///< what is shown, with the findings
+  std::vector<std::string> files;  ///< files that were written
+};
+/// Draws a cell by its file alone; connects to nothing. The page is one file without a network: arm, gripper,
+/// obstacles, limits, reach and the camera's view as layers, findings, and the numbers of the file.
+/// @throws FileError; InvalidArgument for joint angles that the robot does not have
+[[nodiscard]] ShownCell show_cell(const CellViewOrder& order);
+/// "stonestack.view/1".
+[[nodiscard]] std::string cell_view_json(const ShownCell& view);
+/// A line a finding, and the files.
+[[nodiscard]] std::string cell_view_text(const ShownCell& view);
 
 /// Measures of a stone that was made of a scan.
 struct StoneSummary {

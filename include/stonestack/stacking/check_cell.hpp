@@ -1,8 +1,10 @@
 #pragma once
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "stonestack/geometry/depth_image.hpp"
 #include "stonestack/hardware/cell_file.hpp"
 
 #pragma GCC visibility push(default)
@@ -43,6 +45,38 @@ struct CellCheckOptions {
 /// nothing.
 /// @throws Interrupted
 [[nodiscard]] CellReport check_cell(const CellConfig& cell, const CellCheckOptions& options = {});
+
+/// Pose of the arm in which a cell is shown, and what its camera sees then.
+struct CellPose {
+  std::string name;               ///< "start", "view of the field", "view of the site"
+  Joints q = Joints::Zero();      ///< joint angles [rad]
+  Pose T_W_C = Pose::Identity();  ///< pose of the camera
+  /// Where the corners of the image meet the table, in order, or end in the air. Empty: no camera is named.
+  std::vector<Eigen::Vector3d> p_W_seen;
+};
+/// A cell as its file describes it, before anything is connected.
+struct CellPreview {
+  RobotModel robot;                        ///< within the cell's limits
+  CellLayout layout;                       ///< mounts, field, site and obstacles
+  std::optional<CameraIntrinsics> camera;  ///< empty: the file names no camera
+  bool camera_is_assumed = false;          ///< true: the camera itself knows its lens, the file does not
+  std::vector<CellPose> poses;             ///< the start, and the views of field and site that can be reached
+  /// Outline of the part of the table that the gripper reaches while it points down, about the base.
+  std::vector<Eigen::Vector2d> p_W_reach;
+  std::vector<Eigen::Vector2d> p_W_too_near;  ///< outline of what is too near to the base, likewise
+  CellReport report;                          ///< findings about start, field, site and camera
+};
+/// Options of `preview_cell`.
+struct CellPreviewOptions {
+  /// Where the arm stands [rad]; empty: fingers down over the middle of the field, as a simulated arm starts.
+  std::optional<Joints> q_start;
+  bool simulated = false;  ///< the devices are simulated, and get their ports when they are served
+};
+/// Checks what can be known of a cell before anything is connected or moves: whether the arm stands free at
+/// its start, whether the gripper reaches field and site within limits and past obstacles, whether obstacles
+/// stand on them, and whether the camera sees them from where a run looks at them.
+/// @throws FileError, InvalidArgument for joint angles that the robot does not have
+[[nodiscard]] CellPreview preview_cell(const CellConfig& cell, const CellPreviewOptions& options = {});
 
 }  // namespace stonestack::stacking
 

@@ -252,15 +252,7 @@ function start() {
   if (scene) {
     const labels = {candidates: 'candidate poses', support: 'support polygon', contacts: 'contacts and forces',
       mass: 'centres of mass and thrust line'};
-    for (const [name, group] of Object.entries(scene.layers)) {
-      const label = make('label'), box = make('input');
-      box.type = 'checkbox';
-      box.id = `layer-${name}`;
-      box.checked = group.visible = false;
-      box.addEventListener('change', () => { group.visible = box.checked; scene.render(); });
-      label.append(box, ` ${labels[name]}`);
-      $('layers').append(label);
-    }
+    for (const [name, group] of Object.entries(scene.layers)) addLayer(name, labels[name], group, false, scene.render);
   }
   $('play').addEventListener('click', () => play(!playing));
   $('time').addEventListener('input', () => { play(false); show(Number($('time').value)); });

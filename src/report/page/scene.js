@@ -116,7 +116,7 @@ function makeOrbit(camera, element, target, changed) {
   function fromWorld(v) { return new THREE.Vector3(v.y, v.z, v.x); }
   const apply = () => {
     offset.phi = Math.min(Math.max(offset.phi, 0.05), 1.65);
-    offset.radius = Math.min(Math.max(offset.radius, 0.15), 5);
+    offset.radius = Math.min(Math.max(offset.radius, 0.15), 8);
     const v = new THREE.Vector3().setFromSpherical(offset);
     camera.position.set(target.x + v.z, target.y + v.x, target.z + v.y);
     camera.lookAt(target);
@@ -163,8 +163,9 @@ function makeOrbit(camera, element, target, changed) {
   apply();
 }
 
-// Draws `run` into an element. Throws where the browser has no WebGL.
-function makeScene(element) {
+// Draws `run` into an element, seen from `view`: eye, target, and middle and size of the table [m]. Throws where the
+// browser has no WebGL.
+function makeScene(element, view = {eye: [1.75, -1.15, 0.85], target: [0.5, 0.1, 0.24], table: [0.5, 0.05, 2.6, 2.2]}) {
   const renderer = new THREE.WebGLRenderer({antialias: true, preserveDrawingBuffer: true});
   renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
   renderer.shadowMap.enabled = true;
@@ -174,7 +175,8 @@ function makeScene(element) {
   element.appendChild(renderer.domElement);
   const scene = new THREE.Scene();
   scene.background = new THREE.Color(0xdde4ec);
-  scene.fog = new THREE.Fog(0xdde4ec, 3, 7);
+  const away = new THREE.Vector3(...view.eye).distanceTo(new THREE.Vector3(...view.target));
+  scene.fog = new THREE.Fog(0xdde4ec, 1.7 * away, 4 * away);
   scene.add(new THREE.HemisphereLight(0xe8eefc, 0x8a8078, 0.5));
   const sun = new THREE.DirectionalLight(0xfff2dd, 0.62);
   sun.position.set(0.1, -1.4, 2.4);
@@ -187,9 +189,9 @@ function makeScene(element) {
 
   // Colours are given in sRGB, light is added in linear space.
   const linear = (material) => { material.color.convertSRGBToLinear(); return material; };
-  const table = new THREE.Mesh(new THREE.PlaneBufferGeometry(2.6, 2.2),
+  const table = new THREE.Mesh(new THREE.PlaneBufferGeometry(view.table[2], view.table[3]),
       linear(new THREE.MeshStandardMaterial({color: 0x9a9ea4, roughness: 0.9, metalness: 0})));
-  table.position.set(0.5, 0.05, -0.0005);
+  table.position.set(view.table[0], view.table[1], -0.0005);
   table.receiveShadow = true;
   scene.add(table);
   const [cx, cy] = run.field.centre, [sx, sy] = run.field.size;
@@ -265,8 +267,8 @@ function makeScene(element) {
 
   const camera = new THREE.PerspectiveCamera(38, 1, 0.02, 20);
   camera.up.set(0, 0, 1);
-  camera.position.set(1.75, -1.15, 0.85);
-  const target = new THREE.Vector3(0.5, 0.1, 0.24);
+  camera.position.set(...view.eye);
+  const target = new THREE.Vector3(...view.target);
   const render = () => renderer.render(scene, camera);
   makeOrbit(camera, renderer.domElement, target, render);
   const resize = () => {
@@ -283,5 +285,5 @@ function makeScene(element) {
     arm = makeArm(model);
     scene.add(arm.base);
   };
-  return {get arm() { return arm; }, setArm, stones, layers, showDecision, showTower, render, element: renderer.domElement};
+  return {get arm() { return arm; }, setArm, stones, layers, showDecision, showTower, render, addOnTop, clear, root: scene, element: renderer.domElement};
 }
