@@ -122,9 +122,10 @@ std::string outside_joint_limits(const RobotModel& robot, const Joints& q) {
 }
 
 Found judge_start(const StandingArm& arm, const Joints& q) {
-  for (const std::string& problem : {outside_joint_limits(arm.cell.robot, q), start_problem(arm.scene, q),
-                                     describe_outside_workspace(arm.cell.robot, q, -kWorkspaceMargin),
-                                     describe_outside_fence(arm.cell.robot, q, -kWorkspaceMargin)})
+  for (const std::string& problem :
+       {outside_joint_limits(arm.cell.robot, q),
+        describe_outside_workspace(arm.cell.robot, q, -kWorkspaceMargin),
+        describe_outside_fence(arm.cell.robot, q, -kWorkspaceMargin), start_problem(arm.scene, q)})
     if (!problem.empty())
       throw Error(problem + "; no motion begins there: jog the arm out, or correct limits and obstacles",
                   ExitCode::kExecutionFailed);

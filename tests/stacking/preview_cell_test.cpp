@@ -57,18 +57,21 @@ TEST(PreviewCell, TheStandardCellHasNoFaults) {
   EXPECT_FALSE(preview.camera_is_assumed);
 }
 
-/// A UR10 with the gripper down reaches as far with wrist 1 as upper arm and forearm are long together
-/// (1.184 m), less what the height of wrist 1 over the shoulder takes, and its flange stands 0.164 m beside.
+/// A UR10 with the gripper down stretches upper arm and forearm (1.184 m) to wrist 1, which stands higher
+/// than the shoulder; wrist 2 leads 0.116 m further, and the flange is 0.164 m beside the arm's plane.
 TEST(PreviewCell, TheReachIsACircleAboutTheBase) {
   CellConfig cell = sound_cell();
   cell.T_W_R[0] = 0.2;
   const CellPreview preview = preview_cell(cell);
   ASSERT_EQ(preview.p_W_reach.size(), preview.p_W_too_near.size());
-  const double wrist = std::hypot(1.184, 0.164);  // wrist 1 at full stretch, beside the arm's plane
+  const RobotModel& ur10 = preview.robot;
+  const double stretched = std::abs(ur10.a2) + std::abs(ur10.a3);
+  const double higher = 0.02 + preview.layout.T_F_T.translation().z() + ur10.d6 - ur10.d1;
+  const double expected = std::hypot(std::sqrt(stretched * stretched - higher * higher) + ur10.d5, ur10.d4);
   for (std::size_t i = 0; i < preview.p_W_reach.size(); ++i) {
     const double far = (preview.p_W_reach[i] - Eigen::Vector2d(0.2, 0.0)).norm();
     EXPECT_NEAR(far, (preview.p_W_reach[0] - Eigen::Vector2d(0.2, 0.0)).norm(), 0.011);
-    EXPECT_NEAR(far, wrist, 0.06);
+    EXPECT_NEAR(far, expected, 0.011);
     EXPECT_LT((preview.p_W_too_near[i] - Eigen::Vector2d(0.2, 0.0)).norm(), 0.5);
   }
 }
@@ -76,10 +79,10 @@ TEST(PreviewCell, TheReachIsACircleAboutTheBase) {
 TEST(PreviewCell, NamesWhatIsOutOfReach) {
   CellConfig cell = sound_cell();
   cell.field_x = 1.2;
-  cell.site_y = 1.6;
+  cell.site_y = 3.0;
   const CellPreview preview = preview_cell(cell);
   expect_failure(preview, "field", "reach", "out of the arm's reach at (1.");
-  expect_failure(preview, "site", "reach", "out of the arm's reach at (0.7, 1.6, ");
+  expect_failure(preview, "site", "reach", "out of the arm's reach at (0.7, 3, ");
   expect_failure(preview, "site", "view", "no view of it can be reached");
 }
 
@@ -105,13 +108,13 @@ TEST(PreviewCell, NamesObstaclesInTheWay) {
 
 TEST(PreviewCell, NamesWhatTheArmStandsInAtItsStart) {
   CellConfig cell = sound_cell();
-  cell.obstacles = {box_at("shelf", {0.70, -0.18, 0.45}, 0.1)};
+  cell.obstacles = {box_at("shelf", {0.70, -0.18, 0.45}, 0.3)};
   expect_failure(preview_cell(cell), "start", "arm", "shelf");
   cell = sound_cell();
   cell.limits.fence[2] = "[-0.2, 0.6]";
   expect_failure(preview_cell(cell), "start", "arm", "leaves the fence");
   cell = sound_cell();
-  cell.limits.joints = "[[-90, 90], [-180, 0], [100, 160], [-360, 360], [-180, 180], [-360, 360]]";
+  cell.limits.joints = "[[-90, 90], [-180, 0], [150, 160], [-360, 360], [-180, 180], [-360, 360]]";
   expect_failure(preview_cell(cell), "start", "arm", "is outside the limits of the cell");
 }
 
