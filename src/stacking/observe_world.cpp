@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "stacking/arrangement.hpp"
 #include "stacking/constants.hpp"
@@ -178,8 +179,11 @@ Observation observe(Workcell& w, const Expectation& expected, const WhileMoving&
   // What no first view showed may come to light when others are taken away, but is not worth a search in all
   // views together after each of them.
   const Stopwatch watch;
-  const auto sightings = find_in_views(seen.views, w.detection, first_stones(w.models.shapes.size()),
-                                       {seen.before, expected.known, expected.first}, w.options.detection);
+  auto sightings = find_in_views(seen.views, w.detection, first_stones(w.models.shapes.size()),
+                                 {seen.before, expected.known, expected.first}, w.options.detection);
+  if (!expected.first)
+    drop_known_objects(w.models.shapes, expected.known,
+                       std::span(w.cell.layout.obstacles).subspan(w.stated_obstacles.size()), sightings);
   const bool found_stack = expected.first && seen.site == SiteStatus::kOccupied;
   StoneEstimates stones =
       estimate_stones(w.models.shapes, w.cell.layout, found_stack ? stack_seen(w, sightings) : expected.stack,

@@ -8,16 +8,18 @@
 #include "core/constants.hpp"
 #include "geometry/convex_pieces.hpp"
 #include "search/find_stack.hpp"
+#include "stacking/arrangement.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::stacking {
 namespace {
 
-constexpr double kCube = 0.005;     // m: one point of surface a cube
-constexpr double kBeside = 0.001;   // m that seen surface may be off: stones lie 5 mm beside it
-constexpr double kAtSite = 0.15;    // m from the site
-constexpr double kAtBase = 0.30;    // m from the robot's base, which the camera may see, too
-constexpr double kOverField = 0.3;  // m beyond the field
+constexpr double kCube = 0.005;            // m: one point of surface a cube
+constexpr double kBeside = 0.001;          // m that seen surface may be off: stones lie 5 mm beside it
+constexpr double kAtSite = 0.15;           // m from the site
+constexpr double kAtBase = 0.30;           // m from the robot's base, which the camera may see, too
+constexpr double kOverField = 0.3;         // m beyond the field
+constexpr double kSamePlaceAround = 0.01;  // m about an object: what a view may show more of it
 
 /// Surface above the table in all views, a point in each cube.
 std::vector<Eigen::Vector3d> surface_in(const Views& views, const DetectionOptions& options) {
@@ -86,6 +88,20 @@ std::vector<Obstacle> unknown_objects(const Workcell& w, const Views& views,
     obstacles.push_back(std::move(obstacle));
   }
   return obstacles;
+}
+
+void drop_known_objects(const ShapeList& shapes, const std::vector<StoneIndex>& known,
+                        std::span<const Obstacle> unknown, std::vector<Sighting>& sightings) {
+  std::erase_if(sightings, [&](const Sighting& seen) {
+    if (std::find(known.begin(), known.end(), seen.stone) != known.end()) return false;
+    const Eigen::Vector3d p_W_M = com_of(shapes, {seen.stone, seen.T_W_O});
+    return std::any_of(unknown.begin(), unknown.end(), [&](const Obstacle& object) {
+      Eigen::AlignedBox2d ground;
+      for (const Mesh& piece : object.pieces)
+        for (const Eigen::Vector3d& p : piece.vertices) ground.extend((object.T_W_O * p).head<2>());
+      return ground.exteriorDistance(p_W_M.head<2>().eval()) < kSamePlaceAround;
+    });
+  });
 }
 
 }  // namespace stonestack::stacking

@@ -1,5 +1,8 @@
 #pragma once
+#include <span>
+
 #include "stacking/workcell.hpp"
+#include "stonestack/stacking/observe.hpp"
 
 /// Private to stacking/: what is seen and is no stone.
 namespace stonestack::stacking {
@@ -9,5 +12,10 @@ namespace stonestack::stacking {
 /// who look at the tower.
 [[nodiscard]] std::vector<Obstacle> unknown_objects(const Workcell& workcell, const Views& views,
                                                     const std::vector<PlacedStone>& stones);
+
+/// Drops sightings of stones that were not known to be there and lie where one of `unknown` lay before:
+/// nobody has touched it, so it is no stone now if it was none then.
+void drop_known_objects(const ShapeList& shapes, const std::vector<StoneIndex>& known,
+                        std::span<const Obstacle> unknown, std::vector<Sighting>& sightings);
 
 }  // namespace stonestack::stacking

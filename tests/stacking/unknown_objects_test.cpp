@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include "rooms.hpp"
+#include "stacking/arrangement.hpp"
+#include "stacking/unknown_objects.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
@@ -48,6 +50,23 @@ TEST(UnknownObjects, AreSeenWhereTheyLie) {
     EXPECT_GT(object.highest, 0.02);
     EXPECT_LT(object.highest, 0.15);
   }
+}
+
+TEST(UnknownObjects, AreTakenForNoStoneLater) {
+  const Catalogue catalogue = read_catalogue(data_path("stones"));
+  const ShapeList shapes = make_contact_shapes(catalogue.stones);
+  Obstacle box;
+  box.pieces = {make_box({0.08, 0.06, 0.05})};
+  box.T_W_O = Eigen::Translation3d(0.5, -0.1, 0.025);
+  const auto sighting = [&](StoneIndex stone, double x) {
+    const Eigen::Vector3d p_O_M = com_of(shapes, {stone, Pose::Identity()});
+    return Sighting{stone, Pose(Eigen::Translation3d(Eigen::Vector3d(x, -0.1, 0.03) - p_O_M)), 0.9, 0.3, 1.0};
+  };
+  std::vector<Sighting> seen{sighting(0_stone, 0.52), sighting(1_stone, 0.52), sighting(2_stone, 0.70)};
+  drop_known_objects(shapes, {0_stone}, {&box, 1}, seen);
+  ASSERT_EQ(seen.size(), 2U);
+  EXPECT_EQ(seen[0].stone, 0_stone) << "a stone that is known may have fallen there";
+  EXPECT_EQ(seen[1].stone, 2_stone) << "nothing lay there";
 }
 
 TEST(UnknownObjects, StonesAreNone) {
