@@ -69,6 +69,13 @@ TEST(SceneProblem, NamesTheObjectThatTheArmTouches) {
   EXPECT_THAT(scene_problem(field.scene, field.task), HasSubstr("cupboard"));
 }
 
+TEST(SceneProblem, NamesTheLimitThatTheArmBreaks) {
+  SceneProblemField field;
+  const Eigen::Vector3d most(1.5, 1.5, 0.5);
+  field.scene.robot.fence = ArmFence{{-most, most}, field.scene.T_W_R, {Eigen::Vector3d::Zero()}};
+  EXPECT_THAT(scene_problem(field.scene, field.task), HasSubstr("leaves the fence"));
+}
+
 /// A flat slab, which few grasps hold as it lies: 24 times as many are sampled, unless a lid covers it.
 TEST(GraspFinder, SamplesNoMoreGraspsWhereALidObstructsAll) {
   const Eigen::Vector3d flat(0.12, 0.10, 0.022);
