@@ -155,14 +155,6 @@ nlohmann::json pose_entry(const CellPose& pose) {
           {"seen", seen}};
 }
 
-/// Middle and size of the table as it is drawn: all that the arm reaches.
-nlohmann::json table_entry(const CellPreview& cell) {
-  Eigen::AlignedBox2d box;
-  for (const Eigen::Vector2d& p : cell.p_W_reach) box.extend(p);
-  const Eigen::Vector2d size = box.sizes() + Eigen::Vector2d::Constant(0.8);
-  return {box.center().x(), box.center().y(), size.x(), size.y()};
-}
-
 nlohmann::json facts_of(const CellPreview& cell) {
   const auto& checks = cell.report.checks;
   const auto notes = std::count_if(checks.begin(), checks.end(),
@@ -234,8 +226,7 @@ std::string cell_page_data(const std::string& name, const CellConfig& config, co
        {"too_near", flat_numbers(cell.p_W_too_near)},
        {"poses", poses},
        {"has_camera", cell.camera.has_value()},
-       {"view",
-        {{"eye", numbers(view.p_W_eye)}, {"target", numbers(view.p_W_target)}, {"table", table_entry(cell)}}},
+       {"view", {{"eye", numbers(view.p_W_eye)}, {"target", numbers(view.p_W_target)}}},
        {"picture", picture}});
 }
 

@@ -72,12 +72,14 @@ struct StandingArm {
     const std::vector<Joints> all = pointing_down(cell.robot, cell.layout, p_W, false);
     if (all.empty()) return "out of the arm's reach at " + place_text(p_W);
     if (std::any_of(all.begin(), all.end(), [&](const Joints& q) { return !checker.collides(q); })) return {};
-    std::string text = describe_outside_workspace(cell.robot, all.front(), -kWorkspaceMargin);
-    if (text.empty()) text = describe_outside_fence(cell.robot, all.front(), -kWorkspaceMargin);
+    const Joints& q = all.front();
+    std::string text = describe_outside_workspace(cell.robot, q, -kWorkspaceMargin);
+    if (text.empty()) text = describe_outside_fence(cell.robot, q, -kWorkspaceMargin);
     if (!text.empty()) return text;
-    const Clearance nearest = checker.clearance(all.front());
-    return concat("with the gripper at ", place_text(p_W), " ", nearest.first, " and ", nearest.second,
-                  " come too near to each other");
+    const Clearance nearest = checker.clearance(q);
+    text = concat("with the gripper at ", place_text(p_W), " ");
+    if (nearest.distance > checker.rules().self_padding) return text + "fingers or camera leave the fence";
+    return concat(text, nearest.first, " and ", nearest.second, " come too near to each other");
   }
 };
 
@@ -93,7 +95,7 @@ Found judge_reach(const StandingArm& arm, const std::vector<Eigen::Vector3d>& p_
   for (const Eigen::Vector3d& p : p_W)
     if (const std::string why = arm.obstruction(p); !why.empty() && ++failed == 1) first = why;
   if (failed == 0) return {good};
-  throw Error(concat(first, "; ", failed, " of ", p_W.size(), " places that were tried fail; ", kMove),
+  throw Error(concat(first, " (", failed, " of ", p_W.size(), " places that were tried); ", kMove),
               ExitCode::kExecutionFailed);
 }
 

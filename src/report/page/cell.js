@@ -3,19 +3,21 @@
 'use strict';
 
 const COLOURS = {obstacles: '#b3584c', workspace: '#2f7d4f', fence: '#b3382c', reach: '#2f6db3', camera: '#c77f1a'};
+const NAME_HEIGHT = 0.03;  // at a distance of 1
+const linearColour = (colour) => new THREE.Color(colour).convertSRGBToLinear();
 const vectors = (points) => points.map((p) => new THREE.Vector3(...p));
 const lineOf = (points, colour, loop) => new (loop ? THREE.LineLoop : THREE.LineSegments)(
-    new THREE.BufferGeometry().setFromPoints(points), new THREE.LineBasicMaterial({color: colour}));
+    new THREE.BufferGeometry().setFromPoints(points), new THREE.LineBasicMaterial({color: linearColour(colour)}));
 
 function patch(points, colour, opacity) {
   const geometry = new THREE.BufferGeometry().setFromPoints(points);
   geometry.setIndex(Array.from({length: points.length - 2}, (_, i) => [0, i + 1, i + 2]).flat());
   return new THREE.Mesh(geometry, new THREE.MeshBasicMaterial(
-      {color: colour, transparent: true, opacity, side: THREE.DoubleSide, depthWrite: false}));
+      {color: linearColour(colour), transparent: true, opacity, side: THREE.DoubleSide, depthWrite: false}));
 }
 
 // A name that faces the viewer, drawn over what stands before it.
-function makeName(text, place, height = 0.055) {
+function makeName(text, place) {
   const canvas = document.createElement('canvas'), pen = canvas.getContext('2d'), font = '600 44px system-ui, sans-serif';
   pen.font = font;
   canvas.width = Math.ceil(pen.measureText(text).width) + 32;
@@ -27,8 +29,8 @@ function makeName(text, place, height = 0.055) {
   pen.fillText(text, 16, 47);
   const texture = new THREE.CanvasTexture(canvas);
   texture.minFilter = THREE.LinearFilter;
-  const name = new THREE.Sprite(new THREE.SpriteMaterial({map: texture, fog: false}));
-  name.scale.set(height * canvas.width / canvas.height, height, 1);
+  const name = new THREE.Sprite(new THREE.SpriteMaterial({map: texture, fog: false, sizeAttenuation: false}));
+  name.scale.set(NAME_HEIGHT * canvas.width / canvas.height, NAME_HEIGHT, 1);
   name.position.set(...place);
   return name;
 }
@@ -39,9 +41,8 @@ function makeObstacle(obstacle) {
   geometry.setIndex(obstacle.faces);
   const solid = geometry.toNonIndexed();
   solid.computeVertexNormals();
-  const colour = new THREE.Color(COLOURS.obstacles).convertSRGBToLinear();
   const mesh = new THREE.Mesh(solid, new THREE.MeshStandardMaterial(
-      {color: colour, transparent: true, opacity: 0.55, roughness: 0.9, flatShading: true, side: THREE.DoubleSide}));
+      {color: linearColour(COLOURS.obstacles), transparent: true, opacity: 0.55, roughness: 0.9, flatShading: true, side: THREE.DoubleSide}));
   mesh.castShadow = true;
   mesh.add(new THREE.LineSegments(new THREE.EdgesGeometry(solid, 20), new THREE.LineBasicMaterial({color: 0x5c2a23})));
   return mesh;
@@ -50,9 +51,9 @@ function makeObstacle(obstacle) {
 function makeLimits(box, colour) {
   const size = box.max.map((high, i) => high - box.min[i]);
   const geometry = new THREE.BoxBufferGeometry(...size), group = new THREE.Group();
-  group.add(new THREE.LineSegments(new THREE.EdgesGeometry(geometry), new THREE.LineBasicMaterial({color: colour})));
+  group.add(new THREE.LineSegments(new THREE.EdgesGeometry(geometry), new THREE.LineBasicMaterial({color: linearColour(colour)})));
   group.add(new THREE.Mesh(geometry, new THREE.MeshBasicMaterial(
-      {color: colour, transparent: true, opacity: 0.05, side: THREE.DoubleSide, depthWrite: false})));
+      {color: linearColour(colour), transparent: true, opacity: 0.05, side: THREE.DoubleSide, depthWrite: false})));
   group.position.set(...box.min.map((low, i) => low + size[i] / 2));
   return group;
 }
@@ -76,7 +77,7 @@ function drawReach(group) {
     return [i, next, count + i, next, count + next, count + i];
   }));
   group.add(new THREE.Mesh(geometry, new THREE.MeshBasicMaterial(
-      {color: COLOURS.reach, transparent: true, opacity: 0.12, side: THREE.DoubleSide, depthWrite: false})));
+      {color: linearColour(COLOURS.reach), transparent: true, opacity: 0.12, side: THREE.DoubleSide, depthWrite: false})));
 }
 
 function drawNames(group) {
@@ -94,13 +95,15 @@ function drawNames(group) {
 // The axes of W at its origin: x red, y green, z blue.
 function drawAxes(group) {
   [[1, 0, 0, 0xd0342c], [0, 1, 0, 0x2f9a4f], [0, 0, 1, 0x2f6db3]].forEach(([x, y, z, colour]) => group.add(
-      new THREE.ArrowHelper(new THREE.Vector3(x, y, z), new THREE.Vector3(0, 0, 0.002), 0.35, colour, 0.05, 0.025)));
+      new THREE.ArrowHelper(new THREE.Vector3(x, y, z), new THREE.Vector3(0, 0, 0.002), 0.35, linearColour(colour), 0.05, 0.025)));
 }
 
 function makeCell() {
   const view = {...run.view};
   const {clientWidth, clientHeight} = $('view'), narrow = Math.max(1, 1.5 * clientHeight / clientWidth);
   view.eye = view.eye.map((x, i) => view.target[i] + narrow * (x - view.target[i]));
+  const away = Math.hypot(...view.eye.map((x, i) => x - view.target[i]));
+  Object.assign(view, {table: [...view.target.slice(0, 2), 20, 20], fog: [1.5 * away, 3 * away]});
   const scene = makeScene($('view'), view);
   const layers = {};
   for (const name of ['obstacles', 'workspace', 'fence', 'reach', 'camera', 'names', 'axes'])

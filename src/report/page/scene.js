@@ -163,9 +163,11 @@ function makeOrbit(camera, element, target, changed) {
   apply();
 }
 
-// Draws `run` into an element, seen from `view`: eye, target, and middle and size of the table [m]. Throws where the
-// browser has no WebGL.
-function makeScene(element, view = {eye: [1.75, -1.15, 0.85], target: [0.5, 0.1, 0.24], table: [0.5, 0.05, 2.6, 2.2]}) {
+const RUN_VIEW = {eye: [1.75, -1.15, 0.85], target: [0.5, 0.1, 0.24], table: [0.5, 0.05, 2.6, 2.2], fog: [3, 7]};
+
+// Draws `run` into an element, seen from `view`: eye and target, middle and size of the table, begin and end of the fog
+// [m]. Throws where the browser has no WebGL.
+function makeScene(element, view = RUN_VIEW) {
   const renderer = new THREE.WebGLRenderer({antialias: true, preserveDrawingBuffer: true});
   renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
   renderer.shadowMap.enabled = true;
@@ -175,8 +177,7 @@ function makeScene(element, view = {eye: [1.75, -1.15, 0.85], target: [0.5, 0.1,
   element.appendChild(renderer.domElement);
   const scene = new THREE.Scene();
   scene.background = new THREE.Color(0xdde4ec);
-  const away = new THREE.Vector3(...view.eye).distanceTo(new THREE.Vector3(...view.target));
-  scene.fog = new THREE.Fog(0xdde4ec, 1.7 * away, 4 * away);
+  scene.fog = new THREE.Fog(0xdde4ec, view.fog[0], view.fog[1]);
   scene.add(new THREE.HemisphereLight(0xe8eefc, 0x8a8078, 0.5));
   const sun = new THREE.DirectionalLight(0xfff2dd, 0.62);
   sun.position.set(0.1, -1.4, 2.4);
