@@ -1,6 +1,7 @@
 #include "stacking/plan_executor.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/constants.hpp"
@@ -22,10 +23,10 @@ constexpr double kFingerForce = 60.0;   // N, when the plan names none
 // A stone slips towards the finger tips by up to 2 mm while it is carried, so the gripper ends lower than
 // planned: this near the table it goes back a little, with the stone loose, before fingers open into the
 // table.
-constexpr double kNearTable = 0.010;    // m, of the tool's tip
-constexpr double kBackOff = 0.004;      // m
-constexpr double kTableReach = 0.006;   // m above the end of an approach: what is met lower is the table
-constexpr double kMinShareBack = 0.25;  // of the way back that was asked for
+constexpr double kNearTable = 0.010;   // m, of the tool's tip
+constexpr double kBackOff = 0.004;     // m
+constexpr double kTableReach = 0.006;  // m above the end of an approach: what is met lower is the table
+constexpr std::array kSharesBack{1.0, 0.75, 0.5, 0.25};  // of the way back that was asked for
 constexpr double kOffTable = 0.001;  // m, between finger tips that have felt the table and where they close
 
 using Status = ExecutionResult::Status;
@@ -237,8 +238,9 @@ ExecutionResult PlanExecutor::go_back(const PlanStep& step, double distance) con
   const Joints q = cell.arm.state().q;
   const Pose T_R_T = forward(scene.robot, q) * scene.T_F_T;
   std::optional<JointPath> path;  // shorter where the arm cannot follow the whole line
-  for (double back = distance; !path && back >= kMinShareBack * distance; back -= kMinShareBack * distance)
-    path = straight_path(scene.robot, scene.T_F_T, q, T_R_T * Eigen::Translation3d(0, 0, -back));
+  for (std::size_t k = 0; !path && k < kSharesBack.size(); ++k)
+    path = straight_path(scene.robot, scene.T_F_T, q,
+                         T_R_T * Eigen::Translation3d(0, 0, -kSharesBack[k] * distance));
   if (!path) return {Status::kStopped, 0.0, step.name + ": no straight path back"};
   TimingLimits limits = timing_limits(scene.robot, options);
   limits.tool_speed = kRetreatSpeed;
