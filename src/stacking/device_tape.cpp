@@ -19,6 +19,7 @@ using nlohmann::json;
 constexpr const char* kTapeSchema = "stonestack.inputs/1";
 constexpr const char* kAnswers = "/answers.jsonl";
 constexpr std::size_t kMaxAnswers = std::size_t{1} << 30;
+constexpr int kMaxSide = 8192;  // pixels
 constexpr std::size_t kMaxDepths = std::size_t{1} << 27;
 
 /// JSON has no number that is none.
@@ -70,7 +71,9 @@ ArmState arm_state_of(const json& j) {
 }
 MotionResult motion_result_of(const json& j) {
   MotionResult r;
-  r.status = static_cast<MotionResult::Status>(j.at(0).get<int>());
+  const int status = j.at(0).get<int>();
+  require(status >= 0 && status <= static_cast<int>(MotionResult::Status::kLost), "no status is ", status);
+  r.status = static_cast<MotionResult::Status>(status);
   r.q = vector_of<Joints>(j.at(1));
   r.force = number_of(j.at(2));
   r.reason = j.at(3).get<std::string>();
@@ -98,6 +101,8 @@ CameraIntrinsics intrinsics_of(const json& j) {
   CameraIntrinsics c;
   c.width = j.at(0).get<int>();
   c.height = j.at(1).get<int>();
+  require(std::min(c.width, c.height) > 0 && std::max(c.width, c.height) <= kMaxSide, "an image has ",
+          c.width, " x ", c.height, " pixels");
   c.fx = number_of(j.at(2));
   c.fy = number_of(j.at(3));
   c.cx = number_of(j.at(4));
@@ -105,6 +110,32 @@ CameraIntrinsics intrinsics_of(const json& j) {
   c.distortion = static_cast<CameraIntrinsics::Distortion>(j.at(6).get<int>());
   for (std::size_t i = 0; i < 5; ++i) c.k[i] = number_of(j.at(7 + i));
   return c;
+}
+
+/// Throws where it is no answer to that call. `size` gives the bytes of a file of depths.
+void check_answer(const std::string& call, const json& j,
+                  const std::function<std::size_t(const std::string&)>& size) {
+  if (j.is_object()) {
+    (void)j.at("error").get<std::string>();
+  } else if (call == "arm_state") {
+    (void)arm_state_of(j);
+  } else if (call == "follow" || call == "follow_guarded") {
+    (void)motion_result_of(j);
+  } else if (call == "gripper_state" || call == "gripper_move") {
+    (void)gripper_state_of(j);
+  } else if (call == "force_read") {
+    (void)wrench_of(j);
+  } else if (call == "clock") {
+    (void)number_of(j);
+  } else if (call == "capture") {
+    (void)j.at(0).get<long>();
+    for (const std::size_t time : {1U, 2U}) (void)number_of(j.at(time));
+    const CameraIntrinsics camera = intrinsics_of(j.at(3));
+    const auto name = j.at(4).get<std::string>();
+    require(name.find('/') == std::string::npos, "'", name, "' lies in another folder");
+    const std::size_t wanted = sizeof(float) * static_cast<std::size_t>(camera.width * camera.height);
+    require(size(name) == wanted, name, " has ", size(name), " bytes, not ", wanted);
+  }
 }
 
 /// The error whose text that is.
@@ -179,7 +210,18 @@ RecordedTape::RecordedTape(const std::string& folder) : folder_(folder) {
     if (!good)
       throw FileError(path, concat("line ", number + 1, " is no answer of a device"),
                       "give the folder of a run with run.save_states=true");
-    if (number > 0) answers_[j.begin().key()].push_back(j.begin().value());
+    if (number == 0) continue;
+    try {
+      check_answer(j.begin().key(), j.begin().value(), [&](const std::string& name) {
+        std::error_code error;
+        const auto bytes = std::filesystem::file_size(folder + "/" + name, error);
+        return error ? std::size_t{0} : static_cast<std::size_t>(bytes);
+      });
+    } catch (const std::exception& problem) {
+      throw FileError(path, concat("line ", number + 1, ": ", problem.what()),
+                      "take the record as it was made");
+    }
+    answers_[j.begin().key()].push_back(j.begin().value());
   }
 }
 
@@ -188,6 +230,7 @@ json RecordedTape::answer(const std::string& call, const Ask&) {
   const std::vector<json>& all = answers_[call];
   std::size_t& next = given_[call];
   if (next >= all.size()) {
+    if (!ran_out_ && at_end) at_end();
     ran_out_ = true;
     throw DeviceError("record", concat("has no further answer to ", call), "the run ended here");
   }

@@ -41,6 +41,7 @@ class RecordedTape final : public DeviceTape {
   std::vector<float> depths(const std::string& name) override;
   /// True once more was asked than is recorded.
   [[nodiscard]] bool ran_out() const { return ran_out_; }
+  std::function<void()> at_end;  ///< called then, once
 
  private:
   std::string folder_;

@@ -79,7 +79,9 @@ std::vector<std::string> lines_of(const std::string& path) {
   std::vector<std::string> lines;
   for (std::string line; std::getline(in, line) && !in.eof();) {
     json j = json::parse(line, nullptr, false);
-    if (!j.is_object()) throw FileError(path, concat("line ", lines.size() + 1, " is no JSON object"), "");
+    if (!j.is_object())
+      throw FileError(path, concat("line ", lines.size() + 1, " is no JSON object"),
+                      "see what stonestack inspect says of it");
     j.erase("seq");
     lines.push_back(j.dump());
   }
@@ -122,6 +124,8 @@ Replay replay_run(const ReplayTask& task, const std::function<void(const std::st
   hooks.listener = [&](const Event& event) {
     if (const std::string line = to_text(event, start.catalogue); report && !line.empty()) report(line);
   };
+  std::size_t answered = 0;
+  tape.at_end = [&] { answered = static_cast<std::size_t>(journal.lines()); };
   TapedDevices devices(start.state.world.layout, tape);
   Cell cell = devices.cell();
   BuildOptions options = start.state.options;
@@ -130,7 +134,7 @@ Replay replay_run(const ReplayTask& task, const std::function<void(const std::st
 
   std::vector<std::string> now = lines_of(replay.journal);
   replay.complete = !tape.ran_out();
-  if (!replay.complete && !now.empty()) now.pop_back();  // "end", for want of answers
+  if (!replay.complete) now.resize(std::min(now.size(), answered));  // the rest is for want of answers
   replay.recorded = static_cast<long>(recorded.size());
   const std::size_t common = std::min(now.size(), recorded.size());
   std::size_t same = 0;

@@ -78,6 +78,15 @@ TEST(Replay, MakesTheSameDecisionsToTheLastDigit) {
   EXPECT_LT(torn.same, torn.recorded);
   write_file(answers, whole);
 
+  // What a device cannot have answered is refused before anything is performed.
+  const std::string depth = run + "/inputs/depth-001.f32", image = read_file(depth, kMax);
+  write_file(depth, image.substr(0, image.size() / 2));
+  EXPECT_THAT(error_of(run), testing::HasSubstr("depth-001.f32 has"));
+  write_file(depth, image);
+  edit(answers, R"re("follow":\[0)re", R"("follow":[9)");
+  EXPECT_THAT(error_of(run), testing::HasSubstr("no status is 9"));
+  write_file(answers, whole);
+
   // Another journal and other options are told of.
   const std::string journal = run + "/journal.jsonl", kept = read_file(journal, kMax);
   edit(journal, R"re("name":"open the gripper")re", R"("name":"close the gripper")");
