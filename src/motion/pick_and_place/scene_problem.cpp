@@ -42,11 +42,11 @@ std::string millimetres(double metres) {
   return concat(std::lround(1e3 * metres), " mm");
 }
 
-/// The limit of the cell that arm or gripper break.
+/// The limit of the cell that the arm breaks; empty where that is not known.
 std::string outside_limits(const RobotModel& robot, const Joints& q) {
   std::string text = describe_outside_workspace(robot, q, -kWorkspaceMargin);
   if (text.empty()) text = describe_outside_fence(robot, q, -kWorkspaceMargin);
-  return text.empty() ? "fingers or camera leave the fence" : text;
+  return text;
 }
 
 }  // namespace
@@ -58,7 +58,12 @@ std::string start_problem(const PlanningScene& scene, const Joints& q_start) {
   const CollisionChecker checker(scene, rules);
   if (!checker.collides(q_start)) return {};
   const Clearance c = checker.clearance(q_start);
-  if (c.distance > 0.0) return "at the start " + outside_limits(scene.robot, q_start);
+  if (c.distance > 0.0) {
+    if (const std::string outside = outside_limits(scene.robot, q_start); !outside.empty())
+      return "at the start " + outside;
+    return concat("at the start ", c.first, " and ", c.second, " are ", millimetres(c.distance),
+                  " apart, nearer than their padding, or fingers or camera leave the fence");
+  }
   return concat("at the start the arm stands in something: ", c.first, " and ", c.second, " overlap");
 }
 
