@@ -183,7 +183,7 @@ class Runs {
       Catalogue catalogue = stones_of(k, run);
       const auto present = present_in(catalogue, run);
       const RecordFolder place(empty_run_folder(k));
-      if (run.build.save_states && !std::filesystem::is_directory(catalogue.path)) {
+      if (run.build.save_states && new_stones_ && order_.new_stones_from.empty()) {
         catalogue.path = place.path() + "/stones";
         for (const Stone& stone : catalogue.stones) write_stone(catalogue.path, stone);
       }
