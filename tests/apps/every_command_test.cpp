@@ -104,12 +104,18 @@ TEST_F(EveryCommand, PrintsItsResultOnStdoutWithoutJsonToo) {
   const Outcome found = run("detect scene/scene.yaml -q");
   EXPECT_THAT(found.out, HasSubstr("limestone_4"));
   EXPECT_EQ(found.err, "");
-  const Outcome built = run("run --robot ur10 --seed 1 --per-run 1 --out record");
+  const Outcome built = run("run --robot ur10 --seed 1 --per-run 1 --out record --set run.save_states=true");
   EXPECT_EQ(built.code, 0) << built.err;
   EXPECT_THAT(built.out, HasSubstr("tower of 1 of 1 stones; ended: "));
   EXPECT_THAT(built.out, HasSubstr("report:  record/report.html"));
   EXPECT_THAT(built.err, ::testing::Not(HasSubstr("ended: ")));
   EXPECT_THAT(built.err, HasSubstr("tower: 1 of 1 stones"));
+  EXPECT_THAT(run("inspect record").out, HasSubstr("\nend (all_placed): "));
+  EXPECT_EQ(run("inspect record --json").data().value("schema", ""), "stonestack.inspect/1");
+  const Outcome replayed = run("replay record -q");
+  EXPECT_EQ(replayed.code, 0) << replayed.err;
+  EXPECT_THAT(replayed.out, HasSubstr("the same: "));
+  EXPECT_EQ(run("replay scene").code, 3) << "no run";
 }
 
 TEST_F(EveryCommand, VerboseLogsEveryEvent) {
