@@ -96,7 +96,8 @@ bool was_tried(const PlacementRecord& record) {
   return record.outcome != PlacementRecord::Outcome::kNotPicked &&
          record.outcome != PlacementRecord::Outcome::kDropped &&
          record.outcome != PlacementRecord::Outcome::kUnstacked &&
-         record.outcome != PlacementRecord::Outcome::kReoriented;
+         record.outcome != PlacementRecord::Outcome::kReoriented &&
+         record.outcome != PlacementRecord::Outcome::kPushed;
 }
 
 int judged_height(const ExperimentRun& run) {

@@ -49,9 +49,10 @@ RunResult::End end_of(const std::string& text, const std::string& path) {
 
 PlacementRecord::Outcome outcome_of(const std::string& text, const std::string& path) {
   using Outcome = PlacementRecord::Outcome;
-  return named(std::array{Outcome::kPlaced, Outcome::kMoved, Outcome::kFallen, Outcome::kNotPicked,
-                          Outcome::kDropped, Outcome::kLost, Outcome::kUnstacked, Outcome::kReoriented},
-               text, path);
+  return named(
+      std::array{Outcome::kPlaced, Outcome::kMoved, Outcome::kFallen, Outcome::kNotPicked, Outcome::kDropped,
+                 Outcome::kLost, Outcome::kUnstacked, Outcome::kReoriented, Outcome::kPushed},
+      text, path);
 }
 
 Pose pose_of(const json& map, const std::string& path) {

@@ -227,6 +227,7 @@ struct ActionTitle {
   }
   std::string operator()(const Unstack& a) { return "unstack " + name(a.top.stone); }
   std::string operator()(const ClearBase& a) { return "clear the base of " + name(a.stray.stone); }
+  std::string operator()(const Push& a) { return "push " + name(a.stone.stone); }
   std::string operator()(const LookAgain& a) { return "look again for " + name(a.stone); }
   std::string operator()(const Stop&) { return "stop"; }
 };

@@ -36,7 +36,8 @@ FieldList fields(BuildOptions& o) {
              field("correct_aim", o.correct_aim,
                    "true: placements are corrected by the mean error of earlier ones"),
              user(field("max_reoriented", o.max_reoriented, {0, 100}, "",
-                        "stones that may be reoriented because no grasp serves both ends; the paper: 0")),
+                        "stones that may be reoriented because no grasp serves both ends, and pushed because "
+                        "no finger gets beside them; the paper: 0")),
              user(field("max_unstacked", o.max_unstacked, {0, 100}, "",
                         "stones that may be unstacked to try another tower; the paper: 0")),
              user(field("pick_attempts", o.pick_attempts, {1, 10}, "",

@@ -7,6 +7,7 @@
 #include "stacking/choose_placement.hpp"
 #include "stacking/free_places.hpp"
 #include "stacking/next_view.hpp"
+#include "stacking/push_free.hpp"
 #include "stacking/settle_stack.hpp"
 #include "stacking/unstack_depth.hpp"
 #include "stonestack/core/error.hpp"
@@ -68,8 +69,9 @@ std::optional<Action> go_on_unstacking(const Situation& s, RunMemory& memory) {
 }
 
 /// A stone that fell against the tower goes back into the field: a tower on which a stone leans is not clean,
-/// and fingers do not fit between the two. Where no motion can, the tower is unstacked down to the
-/// stone that it leans on, with that one: above it nothing counts, and without it the other lies free.
+/// and fingers do not fit between the two. Where no motion can, it is pushed off, or else the tower is
+/// unstacked down to the stone that it leans on, with that one: above it nothing counts, and without it the
+/// other lies free.
 std::optional<Action> clear_base(const Situation& s, RunMemory& memory) {
   const auto stray = stray_at_stack(s.models.shapes, s.arrangement);
   if (!stray) return std::nullopt;
@@ -82,6 +84,7 @@ std::optional<Action> clear_base(const Situation& s, RunMemory& memory) {
                      free_places(s.models.shapes, s.world.layout, others, stray->stone)};
   }
   if (s.models.wall) return std::nullopt;  // nothing is taken off a wall
+  if (const auto push = push_off_stack(s, memory, stray->stone)) return *push;
   const std::size_t count = s.arrangement.stack.size() - stray->level;
   const int allowed = s.options.max_unstacked - memory.unstacked;
   if (memory.stack_stays || static_cast<int>(count) > allowed) return std::nullopt;
@@ -138,8 +141,10 @@ Action choose(const Situation& s, RunMemory& memory) {
   if (const auto action = go_on_unstacking(s, memory)) return *action;
   if (const auto action = clear_base(s, memory)) return *action;
   if (const auto stop = stop_when_done(s, memory)) return *stop;
+  if (const auto push = push_free(s, memory, Neighbours::kLasting)) return *push;
   do {
     if (const auto action = choose_placement(s, memory)) return *action;
+    if (const auto push = push_free(s, memory, Neighbours::kAll)) return *push;
     if (const auto action = unstack(s, memory)) return *action;
   } while (retry_failed_grasps(s, memory));
   return *memory.search->dead_end;
@@ -191,7 +196,8 @@ Decision choose_action(const WorldEstimate& world, const RunMemory& memory, cons
 }
 
 std::string name_of(const Action& action) {
-  constexpr const char* kNames[] = {"place", "reorient", "unstack", "clear_base", "look_again", "stop"};
+  constexpr const char* kNames[] = {"place", "reorient",   "unstack", "clear_base",
+                                    "push",  "look_again", "stop"};
   return kNames[action.index()];
 }
 

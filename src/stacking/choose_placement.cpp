@@ -138,6 +138,15 @@ struct FrictionSearch {
     return std::nullopt;
   }
 
+  /// Faults of the grasps of each stone that the search could have used: "; NAME: of 212 grasps ...".
+  [[nodiscard]] std::string refusals(const SearchProblem& problem) const {
+    std::string text;
+    for (const PlacedStone& loose : problem.available)
+      if (const std::string why = s.reach->refusal(loose.stone); !why.empty())
+        text += concat("; ", s.models.name(loose.stone), ": ", why);
+    return text;
+  }
+
   /// A plan that still holds needs no search. Otherwise what holds with little friction first, but not the
   /// lowest, with which towers of four are rarely found (it counts in the expected height); more is assumed
   /// as long as the tower found so far is not expected to stand whole: first to go on from where it ends,
@@ -205,6 +214,7 @@ struct FrictionSearch {
           concat("by the best tower found only ", std::round(100 * best_expected) / 100,
                  " more stones are expected to stand (minimum: ", s.options.min_expected, ")");
     }
+    if (best.found.best.empty() && best.found.unreachable > 0) best.found.reason += refusals(current);
     return best;
   }
 };

@@ -41,6 +41,12 @@ struct ActionText {
   std::string operator()(const ClearBase& a) const {
     return places("clear the base of " + name(a.stray.stone), a.T_W_O_down);
   }
+  std::string operator()(const Push& a) const {
+    std::string text = "push " + name(a.stone.stone) + "\n";
+    for (const Eigen::Vector2d& shift : a.p_W_shifts)
+      text += concat("  by (", std::lround(1e3 * shift.x()), ", ", std::lround(1e3 * shift.y()), ") mm\n");
+    return text;
+  }
   std::string operator()(const LookAgain& a) const { return concat("look for ", name(a.stone), "\n"); }
   std::string operator()(const Stop& a) const { return "stop: " + a.reason + "\n"; }
 };

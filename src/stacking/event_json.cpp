@@ -58,6 +58,9 @@ struct Records {
              {"accepted", e.accepted}}};
   }
   Record operator()(const PlaceBegun& e) const { return {"target", placement(e.placement)}; }
+  Record operator()(const PushBegun& e) const {
+    return {"push", {{"stone", name(e.stone)}, {"distance_m", e.distance}}};
+  }
   Record operator()(const SetDownBegun& e) const {
     return {e.reorients ? "reorient" : "unstack", placement(e.placement)};
   }

@@ -121,6 +121,10 @@ struct Words {
                                 " there in one go: it is reoriented on the table first")
                        : "";
   }
+  std::string operator()(const PushBegun& e) const {
+    return concat("no finger gets beside ", name(e.stone), ": it is pushed ", std::lround(1e3 * e.distance),
+                  " mm over the table");
+  }
   std::string operator()(const FingertipGrasp& e) const {
     return concat(name(e.stone),
                   " is held only with finger tips near the table: the gripper goes down until it touches");
@@ -131,6 +135,8 @@ struct Words {
       return concat("no motion unstacks ", name(unstack->top.stone), ": ", e.refusal);
     if (const auto* clear = std::get_if<ClearBase>(&e.action))
       return concat(name(clear->stray.stone), " stays: ", e.refusal);
+    if (const auto* push = std::get_if<Push>(&e.action))
+      return concat(name(push->stone.stone), " is not pushed: ", e.refusal);
     return "";  // other candidates follow
   }
   std::string operator()(const PlacementJudged& e) const {

@@ -33,4 +33,11 @@ struct ExecutionResult {
                                       const PlanningScene& scene, Cell& cell, const MotionOptions& options,
                                       Journal* journal, bool drags = false);
 
+/// Carries out a `plan_push`. What is met on the way down, or resists more than a sliding stone does, ends
+/// the push: the gripper returns along the path that it came on. kReleased if it pushed to the end or until
+/// that; kNotPicked if it met something before.
+[[nodiscard]] ExecutionResult execute_push(const PickAndPlacePlan& plan, const Stone& stone,
+                                           const PlanningScene& scene, Cell& cell,
+                                           const MotionOptions& options, Journal* journal);
+
 }  // namespace stonestack::stacking

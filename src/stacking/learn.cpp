@@ -35,6 +35,7 @@ void forget_world(RunMemory& memory) {
   memory.sought_where_it_was.clear();
   memory.sought_beside_site = 0;
   memory.stray_stays = memory.stack_stays = false;
+  memory.not_pushed.clear();
 }
 
 void note_view(RunMemory& memory, const LookAgain& view) {
@@ -179,6 +180,8 @@ std::string to_text(PlacementRecord::Outcome outcome) {
       return "unstacked";
     case Outcome::kReoriented:
       return "reoriented";
+    case Outcome::kPushed:
+      return "pushed";
   }
   return "unknown";
 }
@@ -205,6 +208,8 @@ RunMemory remember_refusal(RunMemory memory, const Action& action, const MotionP
   } else if (std::holds_alternative<Unstack>(action)) {
     memory.stack_stays = memory.unstacking && memory.unstacking->tried == 0;
     memory.unstacking.reset();
+  } else if (const auto* push = std::get_if<Push>(&action)) {
+    memory.not_pushed.insert(push->stone.stone);
   } else if (memory.search) {
     ++memory.search->refused;
     if (std::holds_alternative<Place>(action))
@@ -235,6 +240,8 @@ RunMemory remember(RunMemory memory, const WorldEstimate& world, const Action& a
     ++memory.reoriented;
     memory.plan = followed;  // to be gone on with when the stone lies there
     memory.plan->placement = plan.followed;
+  } else if (std::holds_alternative<Push>(action)) {
+    ++memory.pushed;
   } else {
     memory.plan.reset();  // it led nowhere
     if (std::holds_alternative<ClearBase>(action)) ++memory.cleared;
@@ -244,7 +251,8 @@ RunMemory remember(RunMemory memory, const WorldEstimate& world, const Action& a
     --memory.unstacking->remaining;
     ++memory.unstacking->tried;
   }
-  if (!std::holds_alternative<Place>(action) && done.status != Status::kReleased)
+  if (!std::holds_alternative<Place>(action) && !std::holds_alternative<Push>(action) &&
+      done.status != Status::kReleased)
     memory.failed_grasps[plan.placement.stone].push_back(plan.pick_and_place.T_O_T);
   if (memory.search && memory.search->wall) memory.wall = memory.search->wall;
   forget_world(memory);
@@ -289,6 +297,10 @@ PlacementRecord judge(const Attempt& attempt, const WorldEstimate& seen, const M
     record.T_W_O_at_rest = now->T_W_O_at_rest;
   }
   if (places) return judge_placing(attempt, seen, std::move(record), options);
+  if (std::holds_alternative<Push>(attempt.action)) {
+    record.outcome = Outcome::kPushed;
+    return record;
+  }
   record.outcome =
       attempt.done.status == Status::kReleased
           ? (std::holds_alternative<Reorient>(attempt.action) ? Outcome::kReoriented : Outcome::kUnstacked)

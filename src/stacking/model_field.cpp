@@ -33,7 +33,7 @@ constexpr double kLeavingDistance = 0.62;  // m from the camera to the field
 constexpr double kMinGain = 0.3;           // of the unseen area, that a stone is turned for
 constexpr double kVisible = -0.25;         // z of a normal: flatter undersides are seen by no camera
 constexpr double kRollsAway = 0.30;        // m from where a stone was let go of to where it may have rolled
-constexpr double kOtherSide = 0.35;        // rad between two attitudes on different sides
+constexpr double kOtherAttitude = 0.35;    // rad between two attitudes on different sides
 constexpr double kSameObject = 0.12;       // m between where an object is expected and seen
 
 /// One stone while it is being modelled. O of the model is W of the first survey.
@@ -414,7 +414,7 @@ void model_again(const AlignedScene& first, const AlignedScene& second, const Mo
     taken[static_cast<std::size_t>(best_object)] = true;
     const LyingObject lying[] = {{&first, candidate.object, Pose::Identity()},
                                  {&second, best_object, best->T_W_O}};
-    candidate.made.turned = (best->T_W_O.linear() * Eigen::Vector3d::UnitZ()).z() < std::cos(kOtherSide);
+    candidate.made.turned = (best->T_W_O.linear() * Eigen::Vector3d::UnitZ()).z() < std::cos(kOtherAttitude);
     if (candidate.let_go && !candidate.made.turned)
       candidate.made.note = "fell back on the side on which it lay";
     candidate.model = modelling::model_object(lying, options.modelling);

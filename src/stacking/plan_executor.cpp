@@ -242,11 +242,36 @@ ExecutionResult PlanExecutor::go_back(const PlanStep& step, double distance) con
     path = straight_path(scene.robot, scene.T_F_T, q,
                          T_R_T * Eigen::Translation3d(0, 0, -kSharesBack[k] * distance));
   if (!path) return {Status::kStopped, 0.0, step.name + ": no straight path back"};
+  return follow_slowly(step, *path);
+}
+
+ExecutionResult PlanExecutor::follow_slowly(const PlanStep& step, const JointPath& path) const {
   TimingLimits limits = timing_limits(scene.robot, options);
   limits.tool_speed = kRetreatSpeed;
   PlanStep actual = step;
-  actual.trajectory = time_path(*path, limits, scene.robot, scene.T_F_T);
+  actual.trajectory = time_path(path, limits, scene.robot, scene.T_F_T);
   return follow(actual);
+}
+
+ExecutionResult PlanExecutor::push(const PlanStep& step, bool* blocked) const {
+  const JointPath& route = step.trajectory.q;
+  GuardedMotion motion;
+  motion.trajectory = step.trajectory;
+  motion.threshold = step.threshold;
+  motion.n_W_direction = (tip(route.back()) - tip(route.front())).normalized();
+  const MotionResult moved = cell.arm.follow_guarded(motion);
+  *blocked = moved.status == MotionResult::Status::kContact;
+  record(journal, TouchMeasured{*blocked, moved.force, 0.0});
+  if (*blocked || moved.status == MotionResult::Status::kNoContact)
+    return {Status::kReleased, moved.force, ""};
+  return {Status::kStopped, moved.force, step.name + ": " + moved.reason};
+}
+
+ExecutionResult PlanExecutor::back_to_start(const PlanStep& step) const {
+  const Pose T_R_T = forward(scene.robot, step.trajectory.q.front()) * scene.T_F_T;
+  const auto path = straight_path(scene.robot, scene.T_F_T, cell.arm.state().q, T_R_T);
+  if (!path) return {Status::kStopped, 0.0, step.name + ": no straight path back"};
+  return follow_slowly(step, *path);
 }
 
 }  // namespace stonestack::stacking

@@ -69,6 +69,13 @@ struct PlanExecutor {
   [[nodiscard]] ExecutionResult check_empty(const PlanStep& step, bool may_open) const;
   [[nodiscard]] ExecutionResult clear_table(const PlanStep& step) const;
   [[nodiscard]] ExecutionResult go_back(const PlanStep& step, double distance) const;
+  /// Pushes a stone over the table with the closed gripper, until the end or until more resists than the
+  /// step's threshold; `blocked` is true then.
+  [[nodiscard]] ExecutionResult push(const PlanStep& step, bool* blocked) const;
+  /// From the arm's measured pose straight to where a straight step began, which it broke off.
+  [[nodiscard]] ExecutionResult back_to_start(const PlanStep& step) const;
+  /// Follows a straight path slowly.
+  [[nodiscard]] ExecutionResult follow_slowly(const PlanStep& step, const JointPath& path) const;
 };
 
 }  // namespace stonestack::stacking

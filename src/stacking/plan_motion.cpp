@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "motion/push.hpp"
 #include "motion/regrasp.hpp"
 #include "motion/transit.hpp"
 #include "stacking/choose_placement.hpp"
@@ -110,6 +111,18 @@ struct Planner {
     set_down(task, action.stray.stone, action.T_W_O_down);
   }
 
+  void operator()(const Push& action) {
+    const PickAndPlaceTask lies = task_for(action.stone.stone, action.stone.T_W_O);
+    for (const Eigen::Vector2d& shift : action.p_W_shifts) {
+      Placement there;
+      there.stone = action.stone.stone;
+      there.T_W_O = Eigen::Translation3d(shift.x(), shift.y(), 0.0) * action.stone.T_W_O;
+      const PushTask task{lies.stone, lies.object, lies.T_W_O_pick, shift, q};
+      if (accept(plan_push(plan.scene, task, w.options.motion), there)) return;
+      plan.refusal = plan.pick_and_place.reason;
+    }
+  }
+
   void operator()(const LookAgain& action) {
     const PlanningScene scene = scene_of_view(w, arrangement);
     const Pose T_C_F = (w.cell.layout.T_F_T * w.cell.layout.T_T_C).inverse();
@@ -147,6 +160,8 @@ ExecutionResult execute(Workcell& w, const Action& action, const MotionPlan& pla
     w.emit(StoneSought{*view});
   else if (std::holds_alternative<Place>(action))
     w.emit(PlaceBegun{static_cast<int>(stack_before) + 1, plan.placement});
+  else if (const auto* push = std::get_if<Push>(&action))
+    w.emit(PushBegun{plan.placement.stone, difference(push->stone.T_W_O, plan.placement.T_W_O).translation});
   else
     w.emit(SetDownBegun{plan.placement, std::holds_alternative<Reorient>(action)});
   const double start = w.cell.clock.now();
@@ -156,6 +171,9 @@ ExecutionResult execute(Workcell& w, const Action& action, const MotionPlan& pla
     const MotionResult moved = w.cell.arm.follow(plan.route);
     if (moved.status != MotionResult::Status::kDone)
       done = {ExecutionResult::Status::kStopped, moved.force, "on the route to a view: " + moved.reason};
+  } else if (std::holds_alternative<Push>(action)) {
+    done = execute_push(plan.pick_and_place, w.models.stone(plan.placement.stone), plan.scene, w.cell,
+                        w.options.motion, journal);
   } else {
     done = execute(plan.pick_and_place, w.models.stone(plan.placement.stone), plan.scene, w.cell,
                    w.options.motion, journal,

@@ -28,10 +28,17 @@ Reach::Reach(Arrangement arrangement, PlanningScene scene, const Catalogue& cata
 bool Reach::in_one_go(StoneIndex stone, const Pose& T_W_O, const Stack& below,
                       const std::vector<Pose>& avoid) {
   const GraspFinder& finder = direct(stone);
-  const GraspCheck check = finder.check(T_W_O, avoid.empty() ? 1 : 0, planned(below));
-  return std::any_of(check.usable.begin(), check.usable.end(), [&](int k) {
+  GraspCheck check = finder.check(T_W_O, avoid.empty() ? 1 : 0, planned(below));
+  const bool serves = std::any_of(check.usable.begin(), check.usable.end(), [&](int k) {
     return !is_near_grasp(avoid, finder.set().grasps[static_cast<std::size_t>(k)].T_O_T);
   });
+  if (!serves) refused_[stone] = std::move(check);
+  return serves;
+}
+
+std::string Reach::refusal(StoneIndex stone) const {
+  const auto at = refused_.find(stone);
+  return at == refused_.end() ? "" : at->second.text();
 }
 
 bool Reach::by_reorienting(StoneIndex stone, const Pose& T_W_O, const Stack& below,

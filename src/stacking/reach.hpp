@@ -39,6 +39,10 @@ class Reach {
   [[nodiscard]] bool by_reorienting(StoneIndex stone, const Pose& T_W_O, const Stack& below,
                                     const std::vector<Pose>& avoid, const RegraspOptions& regrasp);
 
+  /// How the grasps of the stone fared at the last target that they could not serve in one go: "of 212 grasps
+  /// ..."; empty: they served every one.
+  [[nodiscard]] std::string refusal(StoneIndex stone) const;
+
  private:
   const GraspFinder& direct(StoneIndex stone);
   [[nodiscard]] PickAndPlaceTask lying(StoneIndex stone) const;
@@ -53,6 +57,7 @@ class Reach {
   std::set<StoneIndex> low_;  ///< stones that only such grasps hold
   std::map<StoneIndex, GraspFinder> direct_;
   std::map<StoneIndex, RegraspFinder> turning_;
+  std::map<StoneIndex, GraspCheck> refused_;  ///< of the last target that was refused
 };
 
 }  // namespace stonestack::stacking

@@ -92,7 +92,7 @@ struct RunMemory {
   std::optional<WallPlanned> wall;  ///< as of the plan that was followed last; empty before the first
   int actions = 0;                  ///< carried out
   int failures = 0;                 ///< placements that did not hold
-  int unstacked = 0, reoriented = 0, cleared = 0;
+  int unstacked = 0, reoriented = 0, cleared = 0, pushed = 0;
   std::optional<Failure> failure;
   std::map<StoneIndex, std::vector<Pose>> failed_grasps;       ///< T_O_T by stone
   std::map<StoneIndex, std::vector<Eigen::Vector3d>> toppled;  ///< ups, frame O, in which it did not stay
@@ -110,6 +110,7 @@ struct RunMemory {
   int sought_beside_site = 0;                       ///< places
   bool stray_stays = false;                         ///< no motion clears the base
   bool stack_stays = false;                         ///< no motion unstacks the top stone
+  std::set<StoneIndex> not_pushed;                  ///< no motion pushes it
 };
 
 }  // namespace stonestack::stacking

@@ -173,8 +173,9 @@ struct Reader {
     if (!j.at("T_W_O_at_rest").is_null()) r.T_W_O_at_rest = pose_of(j.at("T_W_O_at_rest"));
     const auto outcome = j.at("outcome").get<std::string>();
     bool known = false;
-    for (const Outcome one : {Outcome::kPlaced, Outcome::kMoved, Outcome::kFallen, Outcome::kNotPicked,
-                              Outcome::kDropped, Outcome::kLost, Outcome::kUnstacked, Outcome::kReoriented})
+    for (const Outcome one :
+         {Outcome::kPlaced, Outcome::kMoved, Outcome::kFallen, Outcome::kNotPicked, Outcome::kDropped,
+          Outcome::kLost, Outcome::kUnstacked, Outcome::kReoriented, Outcome::kPushed})
       if (to_text(one) == outcome) {
         r.outcome = one;
         known = true;
@@ -294,6 +295,7 @@ json memory_json(const RunMemory& m, const Writer& w) {
          {"unstacked", m.unstacked},
          {"reoriented", m.reoriented},
          {"cleared", m.cleared},
+         {"pushed", m.pushed},
          {"failed_grasps", w.by_stone(m.failed_grasps, poses)},
          {"no_pick", w.by_stone(m.no_pick, poses)},
          {"toppled", w.by_stone(m.toppled, vectors)},
@@ -303,6 +305,7 @@ json memory_json(const RunMemory& m, const Writer& w) {
          {"out_of_sight", w.stones(m.out_of_sight)},
          {"sought_where_it_was", w.stones(m.sought_where_it_was)},
          {"sought_beside_site", m.sought_beside_site},
+         {"not_pushed", w.stones(m.not_pushed)},
          {"stray_stays", m.stray_stays},
          {"stack_stays", m.stack_stays}};
   if (m.plan)
@@ -337,6 +340,7 @@ RunMemory memory_of(const json& j, const Reader& r) {
   m.unstacked = j.at("unstacked").get<int>();
   m.reoriented = j.at("reoriented").get<int>();
   m.cleared = j.at("cleared").get<int>();
+  m.pushed = j.value("pushed", 0);
   m.failed_grasps = r.by_stone(j.at("failed_grasps"), poses);
   m.no_pick = r.by_stone(j.at("no_pick"), poses);
   m.toppled = r.by_stone(j.at("toppled"), vectors);
@@ -345,6 +349,7 @@ RunMemory memory_of(const json& j, const Reader& r) {
   m.last_seen = r.by_stone(j.at("last_seen"), vector3_of);
   m.out_of_sight = r.stones(j.at("out_of_sight"));
   m.sought_where_it_was = r.stones(j.at("sought_where_it_was"));
+  if (j.contains("not_pushed")) m.not_pushed = r.stones(j.at("not_pushed"));
   m.sought_beside_site = j.at("sought_beside_site").get<int>();
   m.stray_stays = j.at("stray_stays").get<bool>();
   m.stack_stays = j.at("stack_stays").get<bool>();
@@ -478,6 +483,16 @@ std::string decision_json(const Decision& decision, const Catalogue& catalogue) 
     action["stone"] = w.name(clear->stray.stone);
     action["level"] = clear->level + 1;
     places(clear->T_W_O_down);
+  }
+  if (const auto* push = std::get_if<Push>(&decision.action)) {
+    action["stone"] = w.name(push->stone.stone);
+    for (const Eigen::Vector2d& shift : push->p_W_shifts) {
+      const json p{shift.x(), shift.y()};
+      if (action.contains("p_W_shift"))
+        alternatives.push_back(p);
+      else
+        action["p_W_shift"] = p;
+    }
   }
   if (const auto* view = std::get_if<LookAgain>(&decision.action)) {
     action["stone"] = w.name(view->stone);

@@ -57,5 +57,17 @@ TEST(Reach, AStoneThatIsOutOfReachIsGraspedNearerToTheTable) {
   EXPECT_DOUBLE_EQ(near.options_for(1_stone).approach_padding, usual.approach_padding);
 }
 
+TEST(Reach, SaysWhatTheGraspsOfARefusedTargetMeet) {
+  const ReachBench bench;
+  const MotionOptions options;
+  Reach reach = bench.reach(options);
+  const Pose T_W_O = bench.arrangement.loose[0].T_W_O;
+  ASSERT_TRUE(reach.in_one_go(1_stone, Eigen::Translation3d(0.0, 0.1, 0.0) * T_W_O, {}));
+  EXPECT_EQ(reach.refusal(1_stone), "");
+  EXPECT_FALSE(reach.in_one_go(1_stone, Eigen::Translation3d(5.0, 0.0, 0.0) * T_W_O, {}));
+  EXPECT_NE(reach.refusal(1_stone).find("out of reach at the target"), std::string::npos)
+      << reach.refusal(1_stone);
+}
+
 }  // namespace
 }  // namespace stonestack::stacking

@@ -50,6 +50,11 @@ struct ClearBase {
   std::size_t level = 0;         ///< of the stack, that it touches
   std::vector<Pose> T_W_O_down;  ///< poses where it may be set down, best first
 };
+/// Push a loose stone over the table with the closed gripper, away from what keeps the fingers off it.
+struct Push {
+  PlacedStone stone;                        ///< as it lies
+  std::vector<Eigen::Vector2d> p_W_shifts;  ///< how far it may be pushed and where to, best first [m]
+};
 /// Search for a stone that is out of sight.
 struct LookAgain {
   /// Place that is looked at.
@@ -65,28 +70,38 @@ struct Stop {
 };
 
 /// The next thing that the robot does.
-using Action = std::variant<Place, Reorient, Unstack, ClearBase, LookAgain, Stop>;
-/// "place", "reorient", "unstack", "clear_base", "look_again", "stop".
+using Action = std::variant<Place, Reorient, Unstack, ClearBase, Push, LookAgain, Stop>;
+/// "place", "reorient", "unstack", "clear_base", "push", "look_again", "stop".
 [[nodiscard]] std::string name_of(const Action& action);
 
 /// One attempted placement, or a stone that was set down in the field.
 struct PlacementRecord {
   /// Outcome of a stone that was handled.
-  enum class Outcome { kPlaced, kMoved, kFallen, kNotPicked, kDropped, kLost, kUnstacked, kReoriented };
+  enum class Outcome {
+    kPlaced,
+    kMoved,
+    kFallen,
+    kNotPicked,
+    kDropped,
+    kLost,
+    kUnstacked,
+    kReoriented,
+    kPushed
+  };
   std::string stone;                   ///< name of the stone
   Placement planned;                   ///< placement as it was planned
   std::optional<Pose> T_W_O_measured;  ///< where it was seen afterwards
   Outcome outcome = Outcome::kPlaced;  ///< outcome by the observation after it
   std::string note;                    ///< remark for a person
   /// Place that it was meant for in the order of the structure, from 1, the first on the table; 0: for none
-  /// (unstacked, reoriented)
+  /// (unstacked, reoriented, pushed)
   int level = 0;
   int course = 0;                                     ///< of a wall, from 1 on the table; 0: of none
   std::optional<Pose> T_W_O_at_rest = std::nullopt;   ///< where it rests by physics, near `T_W_O_measured`
   Eigen::Vector3d p_W_aim = Eigen::Vector3d::Zero();  ///< shift of the aim against the bias, m
 };
 /// "placed", "moved", "fallen", "not picked", "dropped" (out of the gripper, on the route), "lost" (released,
-/// not seen afterwards), "unstacked", "reoriented".
+/// not seen afterwards), "unstacked", "reoriented", "pushed".
 [[nodiscard]] std::string to_text(PlacementRecord::Outcome outcome);
 
 }  // namespace stonestack::stacking

@@ -148,6 +148,11 @@ struct SetDownBegun {
   Placement placement;     ///< stone, and the pose where it is set down
   bool reorients = false;  ///< true: to reorient it; false: to take it off the stack or away from its base
 };
+/// The arm begins to push a stone away from what keeps the fingers off it.
+struct PushBegun {
+  StoneIndex stone = kNoStone;  ///< index into the catalogue
+  double distance = 0.0;        ///< over the table [m]
+};
 /// A grasp near the table: the gripper approaches until it touches.
 struct FingertipGrasp {
   StoneIndex stone = kNoStone;  ///< index into the catalogue
@@ -217,9 +222,9 @@ using Event =
                  UnknownObjectSeen, CameraRefined, CameraNotTurned, SiteOccupied, SiteSeenFromOneSide,
                  BackedAway, StonesUnfit, StonesNotHeld, SearchProgress, SearchedAtFriction, PlanHolds,
                  PlanBroken, PlanAbandoned, PosesRefused, GraspsRetried, StoneLeans, UnstackChosen,
-                 UnstackToFree, ActionChosen, PlaceBegun, SetDownBegun, FingertipGrasp, MotionRefused,
-                 PlacementJudged, FrictionMeasured, FrictionUpdated, StoneToppled, RunEnded, StepBegun,
-                 HoldMeasured, CarriedMeasured, TouchMeasured, ReleaseMeasured>;
+                 UnstackToFree, ActionChosen, PlaceBegun, SetDownBegun, PushBegun, FingertipGrasp,
+                 MotionRefused, PlacementJudged, FrictionMeasured, FrictionUpdated, StoneToppled, RunEnded,
+                 StepBegun, HoldMeasured, CarriedMeasured, TouchMeasured, ReleaseMeasured>;
 /// Receiver of events.
 using Listener = std::function<void(const Event&)>;
 

@@ -1,0 +1,192 @@
+#include "stacking/push_free.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/constants.hpp"
+#include "geometry/polygon.hpp"
+
+namespace stonestack::stacking {
+namespace {
+
+using geometry::Polygon2;
+
+constexpr int kPushDirections = 16;                   // about the vertical
+constexpr std::array kPushLengths{0.03, 0.05, 0.08};  // m
+constexpr double kPathStep = 0.005;                   // m, along a push
+constexpr double kPastOthers = 0.004;     // m, between footprints, or as much as there is at the start
+constexpr double kForFingers = 0.03;      // m beside a stone: more helps no finger
+constexpr double kGripperRadius = 0.035;  // m: closed, at the finger tips; its motion is planned exactly
+constexpr double kOffStack = 0.01;        // m, where a stone leans on nothing any more
+constexpr double kFromSite = 0.2;         // m, that a push does not bring a stone nearer to the site than
+constexpr double kInField = 0.8;          // of the field, about its middle
+constexpr double kLowest = 0.005;         // m: what is lower does not stand beside a stone
+constexpr double kOverhead = 0.25;        // m: nor does what begins higher
+constexpr std::size_t kTriedPushes = 16, kOfferedPushes = 6;
+
+/// Convex outline seen from above.
+Polygon2 outline(const std::vector<Mesh>& pieces, const Pose& T_W_O) {
+  std::vector<Eigen::Vector2d> points;
+  for (const Mesh& piece : pieces)
+    for (const Eigen::Vector3d& p_O : piece.vertices) points.push_back((T_W_O * p_O).head<2>());
+  return geometry::convex_hull(std::move(points));
+}
+
+Polygon2 shifted(Polygon2 polygon, const Eigen::Vector2d& by) {
+  for (Eigen::Vector2d& p : polygon) p += by;
+  return polygon;
+}
+
+/// Distance between convex outlines [m]; not positive where they overlap.
+double distance_between(const Polygon2& a, const Polygon2& b) {
+  double nearest = 1.0;
+  for (const Eigen::Vector2d& p : a) nearest = std::min(nearest, -geometry::margin(b, p));
+  for (const Eigen::Vector2d& p : b) nearest = std::min(nearest, -geometry::margin(a, p));
+  return nearest;
+}
+
+/// Everything that stands on the table beside one loose stone, from above.
+std::vector<Polygon2> outlines_beside(const Situation& s, StoneIndex stone) {
+  std::vector<Polygon2> others;
+  for (const auto* list : {&s.arrangement.stack, &s.arrangement.loose})
+    for (const PlacedStone& other : *list)
+      if (other.stone != stone) others.push_back(outline(s.models.stone(other.stone).pieces, other.T_W_O));
+  for (const Obstacle& obstacle : s.world.layout.obstacles) {
+    double low = kOverhead, high = 0.0;
+    for (const Mesh& piece : obstacle.pieces)
+      for (const Eigen::Vector3d& p : piece.vertices) {
+        low = std::min(low, (obstacle.T_W_O * p).z());
+        high = std::max(high, (obstacle.T_W_O * p).z());
+      }
+    if (low < kOverhead && high > kLowest) others.push_back(outline(obstacle.pieces, obstacle.T_W_O));
+  }
+  return others;
+}
+
+/// A shift of a stone over the table on which it meets nothing.
+struct FreeShift {
+  Eigen::Vector2d p_W_shift = Eigen::Vector2d::Zero();  ///< how far and where to [m]
+  double clearance = 0.0;                               ///< at its end [m], as far as it helps the fingers
+};
+
+/// Does the stone keep its distance from the others all the way? What it nearly touches it may slide along,
+/// not be pushed against.
+std::optional<double> clearance_after(const Polygon2& print, const std::vector<Polygon2>& others,
+                                      const Eigen::Vector2d& p_W_shift) {
+  double clearance = kForFingers;
+  const Eigen::Vector2d middle = geometry::centroid(print);
+  const int steps = static_cast<int>(std::ceil(p_W_shift.norm() / kPathStep));
+  for (const Polygon2& other : others) {
+    const double before = distance_between(print, other);
+    if (before > p_W_shift.norm() + kForFingers) continue;
+    const bool beside = before < kPastOthers;
+    if (beside && p_W_shift.dot(middle - geometry::centroid(other)) < 0.0) return std::nullopt;
+    for (int k = 1; k <= steps; ++k) {
+      const double now = distance_between(shifted(print, p_W_shift * k / steps), other);
+      if (now < kPastOthers && !beside) return std::nullopt;
+      if (k == steps) clearance = std::min(clearance, now);
+    }
+  }
+  return clearance;
+}
+
+/// Is there room for the closed gripper behind the stone?
+bool has_room_behind(const Polygon2& print, const std::vector<Polygon2>& others, const Eigen::Vector2d& n_W,
+                     const Eigen::Vector2d& p_W_M) {
+  double back = 0.0;
+  for (const Eigen::Vector2d& p : print) back = std::max(back, n_W.dot(p_W_M - p));
+  const Eigen::Vector2d gripper = p_W_M - (back + kGripperRadius) * n_W;
+  return std::all_of(others.begin(), others.end(), [&](const Polygon2& other) {
+    return -geometry::margin(other, gripper) > kGripperRadius;
+  });
+}
+
+/// Free shifts, the one with most room at its end first, of equal ones the shortest.
+std::vector<FreeShift> free_shifts(const Situation& s, const PlacedStone& stone) {
+  const CellLayout& layout = s.world.layout;
+  const Polygon2 print = outline(s.models.stone(stone.stone).pieces, stone.T_W_O);
+  const std::vector<Polygon2> others = outlines_beside(s, stone.stone);
+  const Eigen::Vector2d p_W_M = com_of(s.models.shapes, stone).head<2>();
+  const auto off_middle = [&](const Eigen::Vector2d& p_W) {
+    return (p_W - layout.field_centre)
+        .cwiseAbs()
+        .cwiseQuotient(0.5 * kInField * layout.field_size)
+        .maxCoeff();
+  };
+  std::vector<FreeShift> shifts;
+  for (const double length : kPushLengths)
+    for (int k = 0; k < kPushDirections; ++k) {
+      const double azimuth = kTwoPi * k / kPushDirections;
+      const Eigen::Vector2d shift = length * Eigen::Vector2d(std::cos(azimuth), std::sin(azimuth));
+      const Eigen::Vector2d end = p_W_M + shift;
+      if (!has_room_behind(print, others, shift / length, p_W_M)) continue;
+      if (off_middle(end) > std::max(1.0, off_middle(p_W_M))) continue;
+      if ((end - layout.site).norm() < std::min(kFromSite, (p_W_M - layout.site).norm())) continue;
+      if (const auto clearance = clearance_after(print, others, shift)) shifts.push_back({shift, *clearance});
+    }
+  std::stable_sort(shifts.begin(), shifts.end(),
+                   [](const FreeShift& a, const FreeShift& b) { return a.clearance > b.clearance; });
+  return shifts;
+}
+
+PlacedStone moved(const PlacedStone& stone, const Eigen::Vector2d& p_W_shift) {
+  return {stone.stone, Eigen::Translation3d(p_W_shift.x(), p_W_shift.y(), 0.0) * stone.T_W_O};
+}
+
+Reach reach_of(const Situation& s, const Arrangement& arrangement) {
+  return {arrangement, make_planning_scene(s.world.layout, *s.models.robot, *s.models.catalogue, arrangement),
+          *s.models.catalogue, s.options.motion};
+}
+
+/// Would a grasp of the stone serve if it lay there?
+bool is_held_at(const Situation& s, const PlacedStone& there) {
+  Arrangement then = s.arrangement;
+  for (PlacedStone& stone : then.loose)
+    if (stone.stone == there.stone) stone = there;
+  return !reach_of(s, then).at_pick(there.stone).usable.empty();
+}
+
+/// The gripper could hold it as it lies, but something stands beside it.
+bool is_blocked(const GraspCheck& at_pick) {
+  return at_pick.usable.empty() && at_pick.can_be_held() &&
+         at_pick.refused[static_cast<std::size_t>(GraspFault::kObjectAtPick)] > 0;
+}
+
+/// As often as stones may be reoriented: both bring a stone to where a grasp serves.
+bool may_push(const Situation& s, const RunMemory& memory, StoneIndex stone) {
+  return memory.pushed < s.options.max_reoriented && !memory.not_pushed.contains(stone);
+}
+
+}  // namespace
+
+std::optional<Push> push_free(const Situation& s, const RunMemory& memory, Neighbours neighbours) {
+  for (const PlacedStone& stone : s.arrangement.loose) {
+    if (!may_push(s, memory, stone.stone) || !at(s.models.unfit, stone.stone).empty() ||
+        !is_blocked(s.reach->at_pick(stone.stone)))
+      continue;
+    if (neighbours == Neighbours::kLasting &&
+        !is_blocked(reach_of(s, {s.arrangement.stack, {stone}}).at_pick(stone.stone)))
+      continue;
+    Push push{stone, {}};
+    std::size_t tried = 0;
+    for (const FreeShift& shift : free_shifts(s, stone)) {
+      if (push.p_W_shifts.size() >= kOfferedPushes || tried >= kTriedPushes) break;
+      ++tried;
+      if (is_held_at(s, moved(stone, shift.p_W_shift))) push.p_W_shifts.push_back(shift.p_W_shift);
+    }
+    if (!push.p_W_shifts.empty()) return push;
+  }
+  return std::nullopt;
+}
+
+std::optional<Push> push_off_stack(const Situation& s, const RunMemory& memory, const PlacedStone& stray) {
+  if (!may_push(s, memory, stray.stone)) return std::nullopt;
+  Push push{stray, {}};
+  for (const FreeShift& shift : free_shifts(s, stray))
+    if (shift.clearance > kOffStack && push.p_W_shifts.size() < kOfferedPushes)
+      push.p_W_shifts.push_back(shift.p_W_shift);
+  return push.p_W_shifts.empty() ? std::nullopt : std::optional(push);
+}
+
+}  // namespace stonestack::stacking

@@ -1,0 +1,133 @@
+#include "stacking/push_free.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "stacking/heard.hpp"
+#include "stonestack/core/file.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
+#include "stonestack/simulation/simulated_cell.hpp"
+#include "stonestack/stacking/build_tower.hpp"
+
+/// Pushing stones that no finger gets beside.
+namespace stonestack::stacking {
+namespace {
+
+using namespace simulation;  // the cell that the loop works in here
+
+constexpr double kGap = 0.002;  // m, between stone and box
+
+/// A stone in the field that could be held but for a box beside it.
+struct Blocked {
+  Catalogue catalogue = read_catalogue(data_path("stones"));
+  RobotModel robot = read_robot("ur10");
+  CellLayout layout;
+  PlacedStone stone;
+  bool found = false;
+
+  Blocked() {
+    for (const StoneIndex index : {1_stone, 2_stone, 0_stone, 3_stone, 4_stone, 5_stone})
+      for (const RestPose& rest : rest_poses(catalogue[index]))
+        for (int k = 0; k < 16 && !found; ++k) found = try_box(index, rest, k * M_PI / 8);
+  }
+  [[nodiscard]] Reach reach(const CellLayout& with, const PlacedStone& lying) const {
+    const Arrangement arrangement{{}, {lying}};
+    return {arrangement, make_planning_scene(with, robot, catalogue, arrangement), catalogue, motion_};
+  }
+  [[nodiscard]] bool held_at(const PlacedStone& lying) const {
+    return !reach(layout, lying).at_pick(lying.stone).usable.empty();
+  }
+
+ private:
+  bool try_box(StoneIndex index, const RestPose& rest, double azimuth) {
+    stone = {index, make_pose(Eigen::Vector3d::Zero(), rest.R_W_O)};
+    double low = 1.0;
+    for (const auto& p : catalogue[index].scan.vertices) low = std::min(low, (stone.T_W_O * p).z());
+    stone.T_W_O.translation() << CellLayout().field_centre, -low;
+    const Eigen::Vector3d towards(std::cos(azimuth), std::sin(azimuth), 0.0);
+    double far = -1.0;
+    for (const auto& p : catalogue[index].scan.vertices)
+      far = std::max(far, towards.dot(stone.T_W_O * p - stone.T_W_O.translation()));
+    Obstacle box;
+    box.name = "box";
+    box.pieces = {make_box({0.06, 0.12, 0.06})};
+    box.T_W_O = make_pose(stone.T_W_O.translation() + (far + kGap + 0.03) * towards,
+                          Eigen::Quaterniond(Eigen::AngleAxisd(azimuth, Eigen::Vector3d::UnitZ())));
+    box.T_W_O.translation().z() = 0.03;
+    layout.obstacles = {box};
+    if (reach(CellLayout{}, stone).at_pick(index).usable.empty()) return false;  // it is not the box
+    return !held_at(stone);
+  }
+  MotionOptions motion_;
+};
+
+TEST(PushFree, AStoneBesideABoxIsPushedToWhereAGraspServes) {
+  const Blocked bench;
+  ASSERT_TRUE(bench.found);
+  const Models models = make_models(bench.catalogue, bench.robot, bench.layout);
+  BuildOptions options;
+  WorldEstimate world;
+  world.layout = bench.layout;
+  world.site = SiteStatus::kFree;
+  world.loose.push_back({bench.stone.stone, bench.stone.T_W_O, bench.stone.T_W_O});
+  const RunMemory memory = make_memory(options);
+  add_resting_stacks(models, options, memory.friction, world);
+  const Decision decision = choose_action(world, memory, models, options);
+  const auto* push = std::get_if<Push>(&decision.action);
+  ASSERT_NE(push, nullptr) << name_of(decision.action);
+  ASSERT_FALSE(push->p_W_shifts.empty());
+  for (const Eigen::Vector2d& shift : push->p_W_shifts)
+    EXPECT_TRUE(bench.held_at(
+        {bench.stone.stone, Eigen::Translation3d(shift.x(), shift.y(), 0.0) * bench.stone.T_W_O}));
+
+  RunMemory refused = memory;
+  refused.not_pushed.insert(bench.stone.stone);
+  EXPECT_FALSE(std::holds_alternative<Push>(choose_action(world, refused, models, options).action));
+  RunMemory often = memory;
+  often.pushed = options.max_reoriented;
+  EXPECT_FALSE(std::holds_alternative<Push>(choose_action(world, often, models, options).action))
+      << "not for ever";
+}
+
+TEST(PushFree, AStoneThatCanBeGraspedIsNotPushed) {
+  const Blocked bench;
+  const Models models = make_models(bench.catalogue, bench.robot, CellLayout{});
+  BuildOptions options;
+  options.search.horizon = 1;
+  WorldEstimate world;
+  world.site = SiteStatus::kFree;
+  world.loose.push_back({bench.stone.stone, bench.stone.T_W_O, bench.stone.T_W_O});
+  const RunMemory memory = make_memory(options);
+  add_resting_stacks(models, options, memory.friction, world);
+  EXPECT_TRUE(std::holds_alternative<Place>(choose_action(world, memory, models, options).action));
+}
+
+TEST(PushFree, TheLoopPushesAndPlacesTheStone) {
+  const Blocked bench;
+  ASSERT_TRUE(bench.found);
+  SimulationOptions world_options;
+  world_options.seed = 7;
+  const StoneIndex other = bench.stone.stone == 1_stone ? 2_stone : 1_stone;
+  SimulatedCell world(bench.catalogue.stones, {bench.stone.stone, other}, bench.robot, bench.layout,
+                      world_options);
+  world.place(bench.stone.stone, bench.stone.T_W_O);
+  BuildOptions options;
+  options.search.horizon = 1;
+  Cell cell = world.cell();
+  const RunResult result = build_tower(cell, bench.catalogue, bench.robot, options);
+  const std::string message = test::words(result.events, bench.catalogue);
+  const auto pushed =
+      std::find_if(result.placements.begin(), result.placements.end(),
+                   [](const auto& record) { return record.outcome == PlacementRecord::Outcome::kPushed; });
+  ASSERT_NE(pushed, result.placements.end()) << message;
+  ASSERT_TRUE(pushed->T_W_O_measured) << message;
+  const Eigen::Vector3d& p_O_M = bench.catalogue[bench.stone.stone].mass.p_O_M;  // it turns about that, too
+  const Eigen::Vector3d before = bench.stone.T_W_O * p_O_M;
+  const Eigen::Vector3d planned = pushed->planned.T_W_O * p_O_M - before;
+  const Eigen::Vector3d moved = *pushed->T_W_O_measured * p_O_M - before;
+  EXPECT_LT((moved - planned).norm(), 0.4 * planned.norm()) << message;
+  EXPECT_EQ(result.height, 2) << message;
+}
+
+}  // namespace
+}  // namespace stonestack::stacking
