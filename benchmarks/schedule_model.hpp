@@ -10,7 +10,7 @@ namespace stonestack::bench {
 /// Time until the last of `runs` (times [s], in the order in which they are dealt) has ended, if each goes to
 /// the rank that is free first (list scheduling, Graham 1969). `delay` [s] is what a rank waits for each run.
 [[nodiscard]] double dynamic_makespan(const std::vector<double>& runs, int ranks, double delay);
-/// The same if run k belongs to rank k mod `ranks`, as in shards.
+/// Time until the last run has ended if run k belongs to rank k mod `ranks`, as in shards.
 [[nodiscard]] double static_makespan(const std::vector<double>& runs, int ranks);
 /// Share of the ranks' time that is spent in runs.
 [[nodiscard]] double efficiency(const std::vector<double>& runs, int ranks, double makespan);

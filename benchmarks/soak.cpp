@@ -34,7 +34,7 @@ struct SoakOptions {
   SimulatedRun run;
 };
 
-/// What a process holds.
+/// Resources of the process.
 struct Holdings {
   double resident_mb = 0.0;
   int descriptors = 0;
@@ -143,7 +143,11 @@ void soak(SoakOptions& options, Results& results) {
     RunOrder order = order_of(options, k);
     order.out = folder.path();
     const Stopwatch watch;
-    const int height = record_run(order, catalogue).report.result.height;
+    int height = 0;
+    try {
+      height = record_run(order, catalogue).report.result.height;
+    } catch (const Interrupted&) {  // the runs before it have their verdict
+    }
     if (interrupt_noted()) break;
     const double seconds = watch.seconds();
     folder.clear();

@@ -31,7 +31,7 @@ struct WallGrowthOptions {
 /// One planned stone.
 struct NextStone {
   int standing = 0;  ///< stones before it
-  double cpu = 0.0;  ///< s
+  double cpu = 0.0;  ///< of its plan [s]
 };
 
 /// A wall that grows by one stone a plan; each course has a stone less than the one below.

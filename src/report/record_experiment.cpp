@@ -215,7 +215,7 @@ class Runs {
     else
       report::write_record(experiment, as_read, folder_);
   }
-  /// What a person reads when a run has ended.
+  /// A line for a person about a run that has ended.
   static std::string line_about(const ExperimentRun& run) {
     return concat("run ", run.number, ": height ", judged_height(run), "; ", run.report.result.ended);
   }

@@ -91,7 +91,7 @@ pid_t find_rank(int rank, const std::string& folder) {
   return 0;
 }
 
-TEST_F(MpiCommand, WhatAKilledRankLeavesIsGoneOnWith) {
+TEST_F(MpiCommand, AnExperimentGoesOnAfterARankWasKilled) {
   const std::string arguments = concat(kShortRuns, "--runs 4 --out ");
   std::thread killer([&] {  // as soon as one run has ended
     for (int i = 0; i < 6000; ++i) {
