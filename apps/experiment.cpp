@@ -19,6 +19,7 @@ struct ExperimentCommand {
   std::vector<std::string> merge;
   const CLI::App* app = nullptr;
   ExperimentOrder order;
+  RecordExperiment record;
 };
 
 std::vector<Variant> variants_of(const ExperimentCommand& command) {
@@ -47,11 +48,11 @@ RecordedExperiment performed(ExperimentCommand& command) {
   order.version = program_version();
   require(order.new_stones == 0 || command.common.catalogue.empty(), "--new-stones and --catalogue ",
           command.common.catalogue, ": new stones are drawn from a folder with --new-stones-from");
-  return record_experiment(order, order.new_stones > 0 ? Catalogue{} : command.common.read(),
-                           [](const std::string& row) {
-                             clear_progress();
-                             std::cerr << row;
-                           });
+  return command.record(order, order.new_stones > 0 ? Catalogue{} : command.common.read(),
+                        [](const std::string& row) {
+                          clear_progress();
+                          std::cerr << row;
+                        });
 }
 
 void experiment(ExperimentCommand& command) {
@@ -74,12 +75,13 @@ void experiment(ExperimentCommand& command) {
                     concat("do them by --continue --out ", done.folder));
 }
 
-}  // namespace
-
-void add_experiment(CLI::App& app) {
-  const auto [sub, command] = add_subcommand<ExperimentCommand>(
+/// Registers all but --merge and the examples.
+Subcommand<ExperimentCommand> register_experiment(CLI::App& app, const RecordExperiment& record) {
+  const auto subcommand = add_subcommand<ExperimentCommand>(
       app, "experiment", "The paper's experiment: consecutive runs, heights, figure 5", experiment);
+  const auto& [sub, command] = subcommand;
   ExperimentOrder& order = command.order;
+  command.record = record;
   sub.add_option("--runs", order.runs)->check(CLI::Range(1, 100000))->capture_default_str();
   CLI::Option* const stones = sub.add_option("--stones", order.stones, "Stones of the catalogue to draw from")
                                   ->check(CLI::Range(1, 1000))
@@ -117,11 +119,22 @@ void add_experiment(CLI::App& app) {
          "--shard", [&order](const std::string& text) { order.shard = parse_shard(text); },
          "Only runs I, I + N, I + 2 N, ... of the experiment: the part of one machine of N")
       ->type_name("I/N");
-  sub.add_option("--merge", command.merge, "Join the records of shards into one in the folder --out")
-      ->type_name("DIR");
   command.app = &sub;
   add_live_view(sub, order.view);
   command.common.register_on(sub);
+  return subcommand;
+}
+
+}  // namespace
+
+CLI::App& add_experiment_by(CLI::App& app, const RecordExperiment& record) {
+  return register_experiment(app, record).app;
+}
+
+void add_experiment(CLI::App& app) {
+  const auto [sub, command] = register_experiment(app, record_experiment);
+  sub.add_option("--merge", command.merge, "Join the records of shards into one in the folder --out")
+      ->type_name("DIR");
   sub.footer(
       "Run k of seed S has the seed 1000 S + k. Heights are the simulated world's own, after 60 s.\n"
       "How hard the cell is: --set simulation.NAME=VALUE (names: `stonestack config show --expert | grep "
@@ -136,7 +149,8 @@ void add_experiment(CLI::App& app) {
       "On many machines, each with a shard of the runs; the last line makes one record of them:\n"
       "  sbatch --array=1-8 --wrap 'stonestack experiment --runs 200 --seed 5 "
       "--shard $SLURM_ARRAY_TASK_ID/8 --out shard-$SLURM_ARRAY_TASK_ID --continue'\n"
-      "  stonestack experiment --merge shard-* --out whole");
+      "  stonestack experiment --merge shard-* --out whole\n"
+      "With MPI: mpirun -n 8 stonestack-mpi experiment --runs 200 --seed 5 --out whole");
 }
 
 }  // namespace stonestack::apps

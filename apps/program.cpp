@@ -56,7 +56,7 @@ void install_signal_handlers() {
   sigaction(SIGXFSZ, &nothing, nullptr);
 }
 
-int run(int argc, char** argv, void (*set_up)(CLI::App& app)) {
+int run(int argc, char** argv, const std::function<void(CLI::App& app)>& set_up) {
   CLI::App app;
   app.set_version_flag("--version", program_version());
   app.require_subcommand(1);
@@ -81,7 +81,7 @@ int guarded(const Work& work) {
 
 }  // namespace
 
-int run_program(int argc, char** argv, void (*set_up)(CLI::App& app)) {
+int run_program(int argc, char** argv, const std::function<void(CLI::App& app)>& set_up) {
   replace_closed_streams();
   install_signal_handlers();
   const int code = guarded([&] { return run(argc, argv, set_up); });

@@ -1,5 +1,6 @@
 #pragma once
 #include <CLI/CLI.hpp>
+#include <functional>
 
 namespace stonestack::apps {
 
@@ -7,6 +8,6 @@ namespace stonestack::apps {
 /// point and the second at once, an error becomes one line on stderr, and so does an output that did not
 /// reach stdout.
 /// @return the exit code.
-[[nodiscard]] int run_program(int argc, char** argv, void (*set_up)(CLI::App& app));
+[[nodiscard]] int run_program(int argc, char** argv, const std::function<void(CLI::App& app)>& set_up);
 
 }  // namespace stonestack::apps

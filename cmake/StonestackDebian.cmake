@@ -1,5 +1,5 @@
 # Debian packages: `cpack --config build/release/CPackConfig.cmake -B build/packages` writes stonestack, libstonestack0,
-# libstonestack-dev and, with STONESTACK_PYTHON, python3-stonestack. Dependencies on shared libraries are those that dpkg-shlibdeps finds.
+# libstonestack-dev and, where they are built, python3-stonestack and stonestack-mpi. Dependencies on shared libraries are those that dpkg-shlibdeps finds.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_CONTACT "stonestack maintainers <maintainers@stonestack.invalid>")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
@@ -12,6 +12,13 @@ if(TARGET stonestack_python)
   # The module is compiled for one minor version of Python, and finds the stones in the command's package.
   set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "stonestack (= ${PROJECT_VERSION}), python3-numpy, python3 (>= ${STONESTACK_PYTHON_MAJOR}.${STONESTACK_PYTHON_MINOR}), python3 (<< ${STONESTACK_PYTHON_MAJOR}.${stonestack_next_python})")
   set(CPACK_COMPONENT_PYTHON_DESCRIPTION "Builds dry-stone towers with a robot arm: Python module")
+endif()
+if(TARGET stonestack_mpi)
+  list(APPEND CPACK_COMPONENTS_ALL mpi)
+  set(CPACK_DEBIAN_MPI_PACKAGE_NAME stonestack-mpi)
+  set(CPACK_DEBIAN_MPI_PACKAGE_SECTION science)
+  set(CPACK_DEBIAN_MPI_PACKAGE_DEPENDS "stonestack (= ${PROJECT_VERSION}), openmpi-bin")
+  set(CPACK_COMPONENT_MPI_DESCRIPTION "Builds dry-stone towers with a robot arm: experiments on many processes")
 endif()
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)

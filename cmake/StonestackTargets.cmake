@@ -7,7 +7,7 @@
 #
 #   stonestack_room(NAME core SOURCES error.cpp ... [LINK targets...] [SYSTEM_INCLUDE dirs...])
 #     in src/<room>/CMakeLists.txt: compiles the room and adds it to libstonestack.
-#   stonestack_install_program(TARGET)
+#   stonestack_install_program(TARGET [COMPONENT programs])
 #     a program that finds libstonestack from where it lies itself, wherever the prefix is moved to.
 #   stonestack_tests(core error_test.cpp ...)
 #     in tests/<room>/CMakeLists.txt: one test executable a room, test_<room>.
@@ -85,9 +85,13 @@ function(stonestack_room)
 endfunction()
 
 function(stonestack_install_program target)
+  cmake_parse_arguments(INSTALLED "" "COMPONENT" "" ${ARGN})
+  if(NOT INSTALLED_COMPONENT)
+    set(INSTALLED_COMPONENT programs)
+  endif()
   file(RELATIVE_PATH to_library "${CMAKE_INSTALL_FULL_BINDIR}" "${CMAKE_INSTALL_FULL_LIBDIR}")
   set_target_properties(${target} PROPERTIES INSTALL_RPATH "$ORIGIN/${to_library}")
-  install(TARGETS ${target} COMPONENT programs)
+  install(TARGETS ${target} COMPONENT ${INSTALLED_COMPONENT})
 endfunction()
 
 function(stonestack_tests room)

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "geometry/json_file.hpp"
+#include "report/experiment_folder.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/report/record_run.hpp"
 
@@ -180,7 +181,10 @@ Survival survival_of(const json& map, std::vector<double>* seconds, const std::s
 }  // namespace
 
 Experiment read_experiment(const std::string& path) {
-  const json file = read_json(path);
+  return experiment_of(read_json(path), path);
+}
+
+Experiment experiment_of(const json& file, const std::string& path) {
   if (!file.is_object() || file.value("schema", json()) != "stonestack.experiment/1")
     throw FileError(path, "not the record of an experiment (stonestack.experiment/1)",
                     "name the experiment.json of an experiment's folder");

@@ -1,5 +1,6 @@
 #include "report/experiment_folder.hpp"
 
+#include <iterator>
 #include <sstream>
 
 #include "report/experiment_page.hpp"
@@ -21,13 +22,43 @@ std::string folder_of_run(const std::string& folder, int k) {
   return concat(folder, "/run-", k);
 }
 
-void write_record(const Experiment& experiment, const std::string& folder) {
-  write_file(experiment_file(folder), experiment_json(experiment));
+RunTexts run_texts(const nlohmann::json& file) {
+  RunTexts runs;
+  for (const nlohmann::json& run : file.at("runs")) {
+    const int place = static_cast<int>(runs.size()) + 1;
+    const int number = run.value("run", place);  // older records do not number their runs
+    runs[number] = run;
+    runs[number]["run"] = number;
+  }
+  return runs;
+}
+
+void write_record(const Experiment& experiment, const RunTexts& as_read, const std::string& folder) {
+  std::string text = experiment_json(experiment);
+  if (!as_read.empty()) {
+    nlohmann::json whole = nlohmann::json::parse(text);
+    for (nlohmann::json& run : whole["runs"])
+      if (const auto read = as_read.find(run["run"].get<int>()); read != as_read.end()) run = read->second;
+    text = whole.dump(2) + "\n";
+  }
+  write_file(experiment_file(folder), text);
   write_file(folder + "/runs.csv", runs_csv(experiment));
   write_file(folder + "/figure5.csv", figure5_csv(experiment));
   write_file(folder + "/figure5.svg", figure5_svg(experiment));
   write_file(folder + "/summary.txt", experiment_table(experiment));
   write_file(folder + "/report.html", experiment_html(experiment));
+}
+
+std::string listed_runs(const std::vector<int>& numbers) {
+  std::string text;
+  for (auto first = numbers.begin(), next = first; first != numbers.end(); first = next) {
+    do ++next;
+    while (next != numbers.end() && *next == *std::prev(next) + 1);
+    text += concat(text.empty() ? "" : ", ", *first);
+    const int last = *std::prev(next);
+    if (last > *first) text += concat(last == *first + 1 ? ", " : " to ", last);
+  }
+  return text;
 }
 
 std::pair<std::string, std::string> first_difference(const std::string& a, const std::string& b) {

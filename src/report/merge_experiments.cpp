@@ -23,8 +23,8 @@ constexpr const char* kOneExperiment = "merge shards of one experiment, made by 
 struct ShardRecord {
   std::string folder;
   Experiment experiment;
-  std::map<int, json> runs;  ///< by number, as the file holds them: to the last digit, and nothing omitted
-  std::string options;       ///< of all runs, YAML
+  RunTexts runs;
+  std::string options;  ///< of all runs, YAML
 };
 
 /// One run in the record of its shard.
@@ -43,11 +43,7 @@ ShardRecord read_shard(const std::string& folder) {
   if (shard.experiment.total == 0)
     throw FileError(file, "an older version made it, which did not record seed and number of runs",
                     kOneExperiment);
-  json content = read_json(file);  // may hold more runs than a moment ago, if the shard still goes on
-  for (json& run : content["runs"]) {
-    const int number = run["run"].get<int>();
-    shard.runs[number] = std::move(run);
-  }
+  shard.runs = run_texts(read_json(file));  // more than a moment ago, if the shard still goes on
   shard.options = read_file(options_file(folder), 1U << 20U);
   return shard;
 }
@@ -119,17 +115,12 @@ ShardRuns collect_runs(const std::vector<ShardRecord>& shards) {
   return runs;
 }
 
-/// "2, 4 to 7": runs from 1 to `total` that are not among `runs`.
+/// Runs from 1 to `total` that are not among `runs`.
 std::string missing_runs(const ShardRuns& runs, int total) {
-  std::string text;
-  for (int k = 1; k <= total; ++k) {
-    if (runs.count(k) > 0) continue;
-    const int first = k;
-    while (k < total && runs.count(k + 1) == 0) ++k;
-    text += concat(text.empty() ? "" : ", ", first);
-    if (k > first) text += concat(k == first + 1 ? ", " : " to ", k);
-  }
-  return text;
+  std::vector<int> missing;
+  for (int k = 1; k <= total; ++k)
+    if (runs.count(k) == 0) missing.push_back(k);
+  return listed_runs(missing);
 }
 
 /// Makes the folder, which must not be in a shard.
@@ -161,14 +152,12 @@ void fill(const std::string& folder, const Experiment& experiment, const ShardRu
     copy_folder(one.folder(), folder_of_run(folder, number));
   }
   write_file(options_file(folder), options);
-  write_record(experiment, folder);
-  json whole = json::parse(experiment_json(experiment));
-  std::size_t place = 0;
+  RunTexts texts;
   for (const auto& [number, one] : runs) {
-    json& run = whole["runs"][place++] = one.shard->runs.at(number);
+    json& run = texts[number] = one.shard->runs.at(number);
     if (run.contains("modelling")) run["modelling"]["catalogue"] = folder_of_run(folder, number) + "/stones";
   }
-  write_file(experiment_file(folder), whole.dump(2) + "\n");
+  write_record(experiment, texts, folder);
 }
 
 }  // namespace

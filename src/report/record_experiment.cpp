@@ -6,6 +6,7 @@
 
 #include "core/memory.hpp"
 #include "experiment/new_stones.hpp"
+#include "geometry/json_file.hpp"
 #include "report/experiment_folder.hpp"
 #include "report/experiment_page.hpp"
 #include "report/live_run.hpp"
@@ -24,6 +25,8 @@
 
 namespace stonestack::report {
 namespace {
+
+using nlohmann::json;
 
 constexpr const char* kRepeat = "repeat the command that began it";
 
@@ -46,6 +49,13 @@ std::vector<std::string> names_of(const Catalogue& catalogue) {
   std::vector<std::string> names;
   for (const Stone& stone : catalogue.stones) names.push_back(stone.name);
   return names;
+}
+
+/// Adds `run` in the order of the numbers.
+const ExperimentRun& insert_run(std::vector<ExperimentRun>& runs, ExperimentRun run) {
+  const auto next = std::find_if(runs.begin(), runs.end(),
+                                 [&](const ExperimentRun& other) { return other.number > run.number; });
+  return *runs.insert(next, std::move(run));
 }
 
 std::vector<ExperimentRun>::const_iterator find_run(const std::vector<ExperimentRun>& runs, int number) {
@@ -73,6 +83,10 @@ void check_order(const ExperimentOrder& order, const Catalogue& catalogue) {
           ": it has no run; divide them into ", order.runs, " shards at most");
   require(order.shard.count == 1 || order.variants.empty(), shard,
           ": a comparison has no shards; make each row an experiment of its own, its options with --set");
+  require(
+      !order.perform_elsewhere || order.variants.empty(),
+      "a comparison is performed by one process; make each row an experiment of its own, its options with "
+      "--set");
   check_variants(order.variants, order.run, order.seed);
   require(!order.continues || !order.out.empty(), "--continue needs the folder to go on with: --out FOLDER");
 }
@@ -100,10 +114,39 @@ class Runs {
   /// Performs those that are not done; the reports of a run that the user interrupts, or whose record is not
   /// whole, stay in its folder, but it is not counted.
   [[nodiscard]] RecordedExperiment perform_all() const {
-    const auto shapes = make_contact_shapes(catalogue_.stones);  // held, so that all runs find them
     RecordedExperiment done;
     done.folder = folder_;
-    Experiment& experiment = done.experiment;
+    Experiment& experiment = done.experiment = without_runs();
+    RunTexts as_read;
+    if (order_.continues) read_runs(experiment.runs, as_read);
+    // Before the first run ends, too: what --continue and --merge must agree with.
+    SimulatedRun all = run_of_seed(order_.seed);
+    write_file(options_file(folder_), write_fields(fields(all)));
+    write_record(experiment, as_read);
+    if (order_.perform_elsewhere)
+      perform_missing_elsewhere(done, as_read);
+    else
+      perform_missing(done, as_read);
+    show(experiment);
+    return done;
+  }
+
+  /// Performs run `k` and writes its folder.
+  /// @return the experiment with this run alone
+  /// @throws Interrupted; FileError, and Error where its record is not whole
+  [[nodiscard]] Experiment perform_alone(int k) const {
+    Experiment experiment = without_runs();
+    experiment.shard = {k, order_.runs};
+    std::string unwritten;
+    experiment.runs.push_back(perform_one(k, unwritten));
+    if (!unwritten.empty()) throw Error(unwritten, ExitCode::kUnreadable);
+    return experiment;
+  }
+
+ private:
+  /// The experiment before its first run.
+  [[nodiscard]] Experiment without_runs() const {
+    Experiment experiment;
     experiment.seed = order_.seed;
     experiment.total = order_.runs;
     experiment.shard = order_.shard;
@@ -118,30 +161,63 @@ class Runs {
                               ", ", order_.robot.name, ", protocol ", order_.protocol, ", seed ", order_.seed,
                               ", cell ", settings_.simulation.cell);
     experiment.survival_seconds = survival_.seconds;
-    if (order_.continues) experiment.runs = runs_done();
-    // Before the first run ends, too: what --continue and --merge must agree with.
-    SimulatedRun all = run_of_seed(order_.seed);
-    write_file(options_file(folder_), write_fields(fields(all)));
-    write_file(experiment_file(folder_), experiment_json(experiment));
-    perform_missing(done);
-    show(experiment);
-    return done;
+    return experiment;
   }
-
- private:
-  /// Performs the runs of the shard that are not done.
-  void perform_missing(RecordedExperiment& done) const {
+  /// Numbers of the shard's runs that are not among `runs`.
+  [[nodiscard]] std::vector<int> missing_in(const std::vector<ExperimentRun>& runs) const {
+    std::vector<int> numbers;
+    for (int k = 1; k <= order_.runs; ++k)
+      if (order_.shard.has(k) && find_run(runs, k) == runs.end()) numbers.push_back(k);
+    return numbers;
+  }
+  /// Performs the runs of the shard that are not done, one after the other.
+  void perform_missing(RecordedExperiment& done, const RunTexts& as_read) const {
     const std::vector<ExperimentRun>& runs = done.experiment.runs;
     const double before = static_cast<double>(runs.size()), all = order_.shard.size(order_.runs);
+    const auto shapes = make_contact_shapes(catalogue_.stones);  // held, so that all runs find them
     const Stopwatch watch;
-    for (int k = 1; k <= order_.runs; ++k) {
-      if (!order_.shard.has(k) || find_run(runs, k) != runs.end()) continue;
+    for (const int k : missing_in(runs)) {
       show(done.experiment);
-      if (!perform_one(k, done)) return;
+      if (!add_run(k, done, as_read)) return;
       const auto now = static_cast<double>(runs.size());
       show_progress({"experiment", now, all, "runs", format("mean height %.2f", mean_height(done.experiment)),
                      watch.seconds() * now / (now - before)});
     }
+  }
+  /// Lets other processes perform them, and adds each to the record as it comes.
+  void perform_missing_elsewhere(RecordedExperiment& done, RunTexts& as_read) const {
+    Experiment& experiment = done.experiment;
+    const double before = static_cast<double>(experiment.runs.size()), all = order_.shard.size(order_.runs);
+    const Stopwatch watch;
+    const auto take = [&](const std::vector<std::string>& ended) {
+      std::string lines;
+      for (const std::string& run : ended) {
+        const json file = json::parse(run, nullptr, false);
+        Experiment alone = experiment_of(file, "a run that was performed elsewhere");
+        as_read.merge(run_texts(file));
+        lines += line_about(insert_run(experiment.runs, std::move(alone.runs.at(0)))) + '\n';
+      }
+      write_record(experiment, as_read);
+      show(experiment);
+      const auto now = static_cast<double>(experiment.runs.size());
+      return lines + progress_text({"experiment", now, all, "runs",
+                                    format("mean height %.2f", mean_height(experiment)),
+                                    watch.seconds() * now / (now - before)});
+    };
+    show(experiment);
+    order_.perform_elsewhere(folder_, missing_in(experiment.runs), take);
+    done.interrupted = interrupt_noted();
+    done.missing = listed_runs(missing_in(experiment.runs));
+  }
+  void write_record(const Experiment& experiment, const RunTexts& as_read) const {
+    if (experiment.runs.empty())
+      write_file(experiment_file(folder_), experiment_json(experiment));
+    else
+      report::write_record(experiment, as_read, folder_);
+  }
+  /// A line for a person about a run that has ended.
+  static std::string line_about(const ExperimentRun& run) {
+    return concat("run ", run.number, ": height ", judged_height(run), "; ", run.report.result.ended);
   }
   /// Brings the live view up to date.
   void show(const Experiment& experiment) const {
@@ -174,52 +250,45 @@ class Runs {
     return folder;
   }
 
-  /// Adds run `k`; false where the experiment ends with it.
-  [[nodiscard]] bool perform_one(int k, RecordedExperiment& done) const {
+  /// Performs run `k`; `unwritten` says what of its record could not be written. Throws Interrupted.
+  [[nodiscard]] ExperimentRun perform_one(int k, std::string& unwritten) const {
     const SimulatedRun run = run_number(k);
     log_info(concat("run ", k, " of ", order_.runs));
-    RecordedRun made;
-    try {
-      Catalogue catalogue = stones_of(k, run);
-      const auto present = present_in(catalogue, run);
-      const RecordFolder place(empty_run_folder(k));
-      if (run.build.save_states && new_stones_ && order_.new_stones_from.empty()) {
-        catalogue.path = place.path() + "/stones";
-        for (const Stone& stone : catalogue.stones) write_stone(catalogue.path, stone);
-      }
-      made = perform(run, catalogue, order_.robot, present, place, order_.version,
-                     order_.survival ? &survival_ : nullptr);
-      done.unwritten = made.unwritten;
-      done.interrupted = interrupt_noted();
-    } catch (const Interrupted&) {
-      done.interrupted = true;
-    } catch (const FileError& error) {
-      done.unwritten = error.what();
+    Catalogue catalogue = stones_of(k, run);
+    const auto present = present_in(catalogue, run);
+    const RecordFolder place(empty_run_folder(k));
+    if (run.build.save_states && new_stones_ && order_.new_stones_from.empty()) {
+      catalogue.path = place.path() + "/stones";
+      for (const Stone& stone : catalogue.stones) write_stone(catalogue.path, stone);
     }
-    if (done.interrupted) {
-      log_info(concat("interrupted; run ", k, " is not counted"));
-      return false;
-    }
-    if (!done.unwritten.empty()) {
-      log_info(concat("the record of run ", k, " is not whole; it is not counted"));
-      return false;
-    }
-    Experiment& experiment = done.experiment;
+    RecordedRun made = perform(run, catalogue, order_.robot, present, place, order_.version,
+                               order_.survival ? &survival_ : nullptr);
+    throw_if_interrupted();
+    unwritten = made.unwritten;
     made.report.result.events.clear();  // in the run's own folder
     made.report.result.timeline = {};
-    const auto next = std::find_if(experiment.runs.begin(), experiment.runs.end(),
-                                   [&](const ExperimentRun& other) { return other.number > k; });
-    const ExperimentRun& added =
-        *experiment.runs.insert(next, {std::move(made.report), std::move(made.survival), k});
     core::return_free_memory();
+    return {std::move(made.report), std::move(made.survival), k};
+  }
+
+  /// Adds run `k`; false where the experiment ends with it.
+  [[nodiscard]] bool add_run(int k, RecordedExperiment& done, const RunTexts& as_read) const {
     try {
-      write_record(experiment, folder_);
+      ExperimentRun run = perform_one(k, done.unwritten);
+      if (done.unwritten.empty()) {
+        const ExperimentRun& added = insert_run(done.experiment.runs, std::move(run));
+        write_record(done.experiment, as_read);
+        log_info(line_about(added));
+        return true;
+      }
+    } catch (const Interrupted&) {
+      done.interrupted = true;
+      log_info(concat("interrupted; run ", k, " is not counted"));
     } catch (const FileError& error) {
       done.unwritten = error.what();
-      return false;
     }
-    log_info(concat("run ", k, ": height ", judged_height(added), "; ", added.report.result.ended));
-    return true;
+    if (!done.interrupted) log_info(concat("the record of run ", k, " is not whole; it is not counted"));
+    return false;
   }
 
   /// Refuses a run that would not be made now as it was made.
@@ -247,11 +316,11 @@ class Runs {
             " was made with --survival ", order_.survival ? "false" : "true", "; ", kRepeat);
   }
 
-  /// The runs that the folder holds, if they belong to this experiment.
-  [[nodiscard]] std::vector<ExperimentRun> runs_done() const {
-    std::vector<ExperimentRun> runs;
+  /// Reads the runs that the folder holds, if they belong to this experiment.
+  void read_runs(std::vector<ExperimentRun>& runs, RunTexts& as_read) const {
     if (std::filesystem::exists(experiment_file(folder_))) {
-      Experiment there = read_experiment(experiment_file(folder_));
+      const json file = read_json(experiment_file(folder_));
+      Experiment there = experiment_of(file, experiment_file(folder_));
       require(there.per_run == order_.per_run, folder_, " was made with --per-run ", there.per_run, ", not ",
               order_.per_run, "; ", kRepeat);
       require(there.protocol == order_.protocol, folder_, " was made with --protocol ", there.protocol,
@@ -263,13 +332,13 @@ class Runs {
       require(to_text(there.shard) == to_text(order_.shard), folder_, " was made with --shard ",
               to_text(there.shard), ", not ", to_text(order_.shard), "; ", kRepeat);
       runs = std::move(there.runs);
+      as_read = run_texts(file);
     }
     require(runs.empty() || runs.back().number <= order_.runs, folder_, " holds ", runs.size(),
             " runs already, up to number ", runs.empty() ? 0 : runs.back().number,
             "; ask for more with --runs");
     for (const ExperimentRun& run : runs) check_same_run(run);
     if (!runs.empty()) log_info(concat(runs.size(), " runs are there already"));
-    return runs;
   }
 
   const ExperimentOrder& order_;
@@ -322,6 +391,15 @@ RecordedExperiment compare(const ExperimentOrder& order, const Catalogue& catalo
 }
 
 }  // namespace
+
+std::string perform_experiment_run(const ExperimentOrder& order, const Catalogue& catalogue,
+                                   const std::string& folder, int number) {
+  const Catalogue chosen = choose_stones(order, catalogue);
+  check_order(order, chosen);
+  require(order.variants.empty(), "a run of a comparison is performed with the others");
+  require(number >= 1 && number <= order.runs, "there is no run ", number, " of ", order.runs);
+  return experiment_json(Runs(order, order.run, chosen, folder, nullptr).perform_alone(number));
+}
 
 RecordedExperiment record_experiment(const ExperimentOrder& order, const Catalogue& catalogue,
                                      const std::function<void(const std::string& line)>& listener) {

@@ -75,7 +75,7 @@ def bad_words(line):
 
 def main(root):
     faults = []
-    sources = [p for top in ("include", "src", "apps", "benchmarks", "examples", "tests") for p in sorted((root / top).rglob("*"))
+    sources = [p for top in ("include", "src", "apps", "benchmarks", "mpi", "examples", "tests") for p in sorted((root / top).rglob("*"))
                if p.suffix in (".hpp", ".cpp")]
     documents = sorted(root.glob("*.md")) + sorted((root / "docs").glob("*.md"))
     if len(sources) < 100 or not documents:

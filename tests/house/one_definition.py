@@ -246,6 +246,8 @@ def main(root):
     programs = {"command": sources(root / "apps")}
     if (root / "benchmarks").exists():
         programs["benchmarks"] = sources(root / "benchmarks")
+    if (root / "mpi").exists():
+        programs["mpi"] = sources(root / "mpi")
     for folder in sorted(p for p in (root / "tests").iterdir() if p.is_dir() and p.name not in ("house", "fuzz")):
         programs[f"test_{folder.name}"] = [p for p in sources(folder) if "stub" not in str(p)]
     for target in sorted((root / "tests" / "fuzz").glob("fuzz_*.cpp")):

@@ -1,6 +1,7 @@
 # Makes the Debian packages, unpacks them into a folder of their own, and runs the command, pkg-config and, with
-# PYTHON (an interpreter; empty: no module is built), the Python module from there.
-#   cmake -DBUILD=... -DWORK=... -DVERSION=... -DPYTHON=... -P packages.cmake
+# PYTHON (an interpreter; empty: no module is built), the Python module from there. MPI says whether stonestack-mpi is
+# built.
+#   cmake -DBUILD=... -DWORK=... -DVERSION=... -DPYTHON=... -DMPI=... -P packages.cmake
 file(REMOVE_RECURSE "${WORK}")
 file(MAKE_DIRECTORY "${WORK}")
 function(run output)
@@ -16,7 +17,10 @@ file(GLOB packages "${WORK}/packages/*.deb")
 list(LENGTH packages count)
 set(expected 3)
 if(PYTHON)
-  set(expected 4)
+  math(EXPR expected "${expected} + 1")
+endif()
+if(MPI)
+  math(EXPR expected "${expected} + 1")
 endif()
 if(NOT count EQUAL expected)
   message(FATAL_ERROR "expected ${expected} packages, got ${packages}")
@@ -29,11 +33,20 @@ foreach(package IN LISTS packages)
   if(depends MATCHES "Package: python3-stonestack" AND NOT depends MATCHES "python3-numpy")
     message(FATAL_ERROR "the Python package does not name what it needs:\n${depends}")
   endif()
+  if(depends MATCHES "Package: stonestack\n" AND depends MATCHES "mpi")
+    message(FATAL_ERROR "the command needs MPI:\n${depends}")
+  endif()
+  if(depends MATCHES "Package: stonestack-mpi" AND NOT depends MATCHES "libopenmpi.*stonestack \\(=.*openmpi-bin")
+    message(FATAL_ERROR "the package of stonestack-mpi does not name what it needs:\n${depends}")
+  endif()
   run(log dpkg-deb -x "${package}" "${WORK}/root")
 endforeach()
 run(version ${CMAKE_COMMAND} -E env --unset=LD_LIBRARY_PATH --unset=STONESTACK_DATA "${WORK}/root/usr/bin/stonestack" --version)
 if(NOT version MATCHES "${VERSION}")
   message(FATAL_ERROR "the packaged command says ${version}")
+endif()
+if(MPI)
+  run(version ${CMAKE_COMMAND} -E env --unset=LD_LIBRARY_PATH --unset=STONESTACK_DATA "${WORK}/root/usr/bin/stonestack-mpi" --version)
 endif()
 foreach(file man/man1/stonestack.1 man/man1/stonestack-config-show.1 bash-completion/completions/stonestack
     zsh/vendor-completions/_stonestack fish/vendor_completions.d/stonestack.fish)

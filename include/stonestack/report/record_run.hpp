@@ -123,6 +123,14 @@ struct RecordedViews {
 /// For a person: a line a frame.
 [[nodiscard]] std::string views_table(const RecordedViews& record);
 
+/// Adds runs of an experiment to its record, as `perform_experiment_run` gave them, and returns lines about
+/// them for a person. The record on the disk has them then. Throws FileError.
+using TakeRuns = std::function<std::string(const std::vector<std::string>& runs)>;
+/// Performs runs of an experiment in other processes, in any order: the runs `numbers`, whose record is in
+/// `folder`. What has ended is given to `take`, by one thread at a time; the others count as missing.
+using PerformRuns =
+    std::function<void(const std::string& folder, const std::vector<int>& numbers, const TakeRuns& take)>;
+
 /// Consecutive runs of stones that are drawn anew each time: from the catalogue, or with `new_stones` ones
 /// that no other run of the experiment has.
 struct ExperimentOrder {
@@ -142,6 +150,7 @@ struct ExperimentOrder {
   std::string out;                ///< folder; empty: experiments/TIME-SEED
   std::string version;            ///< of the program
   LiveView view;                  ///< live view of heights and costs
+  PerformRuns perform_elsewhere;  ///< empty: the runs are performed here, one after the other
 };
 /// An experiment and its record.
 struct RecordedExperiment {
@@ -152,7 +161,8 @@ struct RecordedExperiment {
   std::string folder;        ///< folder of the record
   bool interrupted = false;  ///< by the user: the run under way is not counted
   std::string unwritten;     ///< what of the last run's record could not be written; empty: nothing
-  std::string missing;       ///< of a merge, runs that no folder holds: "2, 4 to 7"; empty: none
+  /// Runs that no folder of a merge holds, or that no other process performed: "2, 4 to 7"; empty: none.
+  std::string missing;
 };
 /// Performs the runs. What is done is on the disk after each of them. `listener` hears each line of a
 /// comparison's table once it is known.
@@ -160,6 +170,12 @@ struct RecordedExperiment {
 [[nodiscard]] RecordedExperiment record_experiment(
     const ExperimentOrder& order, const Catalogue& catalogue,
     const std::function<void(const std::string& line)>& listener = {});
+/// Performs run `number` of an experiment whose record another process keeps in `folder`, and writes the
+/// folder of this run there.
+/// @return the run for `TakeRuns` ("stonestack.experiment/1", of this run alone)
+/// @throws InvalidArgument for a comparison; Interrupted; FileError, and Error where its record is not whole
+[[nodiscard]] std::string perform_experiment_run(const ExperimentOrder& order, const Catalogue& catalogue,
+                                                 const std::string& folder, int number);
 /// Joins the records of the shards of one experiment, finished or not, into the record that the experiment
 /// has without shards; the folders of the runs are copied into it. Nothing is written into the shards. What
 /// is missing can be done by `record_experiment` with `continues`.
