@@ -1,4 +1,5 @@
 #include <iostream>
+#include <set>
 
 #include "commands.hpp"
 #include "common_options.hpp"
@@ -14,7 +15,8 @@ namespace {
 struct RunCommand {
   CommonOptions common;
   std::string robot;  ///< empty: the cell's, or a UR10
-  std::string cell;
+  std::string cell, resume;
+  const CLI::App* app = nullptr;
   bool execute = false, slow = false, full_speed = false, step = false;
   PerRun per_run;
   RunOrder order;
@@ -47,33 +49,69 @@ void set_options(RunCommand& command) {
     list = join({list, nest("simulators", fields(order.cell->servers()))});
   command.common.settings.apply(list);
   order.per_run = command.per_run.count;
+}
+
+/// How the user watches a run, and how fast it goes; what it does is in its order.
+void set_mode(RunCommand& command) {
+  RunOrder& order = command.order;
   order.speed = command.slow ? RunSpeed::kSlow : command.full_speed ? RunSpeed::kFull : RunSpeed::kByDefault;
   if (command.step) order.before_motion = ask_before;
   order.version = program_version();
 }
 
-void run(RunCommand& command) {
-  require(!command.execute || !command.cell.empty(), "--execute moves a real robot: name its cell with ",
-          "--cell FILE, or leave --execute out for the simulated cell");
+/// The order of the run that goes on.
+Catalogue take_up(RunCommand& command) {
+  static const std::set<std::string> kAllowed{"--resume", "--execute",   "--slow", "--step",  "--full-speed",
+                                              "--view",   "--view-port", "--json", "--quiet", "--verbose"};
+  for (const CLI::Option* option : command.app->get_options())
+    require(option->count() == 0 || kAllowed.contains(option->get_name(false, true)), option->get_name(),
+            " cannot be changed in a run that goes on; leave it out");
+  ResumableRun run = read_resumable_run(command.resume);
+  run.order.view = command.order.view;
+  command.order = std::move(run.order);
+  if (command.order.cell) command.cell = command.order.cell->path;
+  return std::move(run.catalogue);
+}
+
+Catalogue begin(RunCommand& command) {
   RunOrder& order = command.order;
   set_options(command);
   if (!order.cell)
     order.robot = read_robot(command.robot.empty() ? "ur10" : command.robot);  // a wrong name before all else
-  const Catalogue catalogue = command.common.read();
+  Catalogue catalogue = command.common.read();
   command.per_run.check(catalogue);
+  return catalogue;
+}
+
+/// Ends the program as the run ended.
+void end(const RecordedRun& done) {
+  const RunResult& result = done.report.result;
+  const ExitCode code = exit_code(result);
+  if (!done.unwritten.empty() && code == ExitCode::kDone) throw Error(done.unwritten, ExitCode::kUnreadable);
+  if (!done.unwritten.empty()) log_error(done.unwritten);
+  const std::string more =
+      done.resumable ? concat("; go on with it: stonestack run --resume ", done.folder) : std::string();
+  if (code != ExitCode::kDone) throw Error(result.ended + more, code);
+  throw_if_interrupted();
+}
+
+void run(RunCommand& command) {
+  require(!command.execute || !command.cell.empty() || !command.resume.empty(),
+          "--execute moves a real robot: name its cell with ",
+          "--cell FILE, or leave --execute out for the simulated cell");
+  RunOrder& order = command.order;
+  const Catalogue catalogue = command.resume.empty() ? begin(command) : take_up(command);
+  set_mode(command);
   if (order.cell) check_cell(command, *order.cell);
-  const auto [report, survival, unwritten, folder] = record_run(order, catalogue);
+  const RecordedRun done = record_run(order, catalogue);
+  const RunReport& report = done.report;
   std::ostream& out = command.common.text();
   out << run_table(report);
   if (!report.picture.empty()) out << "picture: " << report.picture << '\n';
-  out << (unwritten.empty() ? "report:  " : "record:  ") << folder
-      << (unwritten.empty() ? "/report.html\n" : "\n");
+  const bool whole = done.unwritten.empty();
+  out << (whole ? "report:  " : "record:  ") << done.folder << (whole ? "/report.html\n" : "\n");
   if (command.common.json) std::cout << run_json(report);
-  const ExitCode code = exit_code(report.result);
-  if (!unwritten.empty() && code == ExitCode::kDone) throw Error(unwritten, ExitCode::kUnreadable);
-  if (!unwritten.empty()) log_error(unwritten);
-  if (code != ExitCode::kDone) throw Error(report.result.ended, code);
-  throw_if_interrupted();
+  end(done);
 }
 
 }  // namespace
@@ -81,6 +119,7 @@ void run(RunCommand& command) {
 void add_run(CLI::App& app) {
   const auto [sub, command] = add_subcommand<RunCommand>(
       app, "run", "Build a tower or a wall: observe, search, plan, place, observe again", run);
+  command.app = &sub;
   BuildOptions& build = command.order.run.build;
   sub.add_option(
       "--robot", command.robot,
@@ -125,6 +164,10 @@ void add_run(CLI::App& app) {
            "With --unseen: keep the modelled stones here (default: in the run's folder, stones)", "DIR");
   sub.add_option("--out", command.order.out,
                  "Folder for journal, options, picture and report (default: runs/<time>-<seed>)");
+  add_path(sub, "--resume", command.resume,
+           "Go on with a run that was killed, interrupted or stopped: asks the gripper first, observes, and "
+           "keeps on building; a stone in the gripper goes back to where it was picked",
+           "RUN");
   add_live_view(sub, command.order.view);
   command.common.register_on(sub);
   sub.footer(
@@ -139,6 +182,7 @@ void add_run(CLI::App& app) {
       "  stonestack run --robot ur10 --cell my_lab.yaml --dry-run\n"
       "  stonestack run --robot ur10 --cell my_lab.yaml --execute --slow --step\n"
       "  stonestack run --robot ur10 --view\n"
+      "  stonestack run --resume runs/20261126-101500-seed1\n"
       "  stonestack run --catalogue rocks --set search.friction=0.3 --set simulation.friction=0.4");
 }
 

@@ -24,6 +24,7 @@ void add_grasp(CLI::App& app);
 void add_grippers(CLI::App& app);
 void add_hold(CLI::App& app);
 void add_rest(CLI::App& app);
+void add_resume(CLI::App& app);
 void add_search(CLI::App& app);
 void add_calibration(CLI::App& app);
 void add_equilibrium(CLI::App& app);

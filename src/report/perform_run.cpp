@@ -13,6 +13,7 @@
 #include "report/text.hpp"
 #include "stacking/journal.hpp"
 #include "stacking/model_field.hpp"
+#include "stacking/resume_point.hpp"
 #include "stacking/stepped_devices.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
@@ -151,8 +152,10 @@ bool model_unseen(RunReport& report, Cell cell, const SimulatedRun& run, const R
 }
 
 RunResult perform_in(Cell& cell, const SimulatedRun& run, const Catalogue& catalogue, const RobotModel& robot,
-                     const BuildHooks& hooks, bool dry) {
-  if (!dry) return build_tower(cell, catalogue, robot, run.build, hooks);
+                     const BuildHooks& hooks, const RunMode& mode) {
+  if (!mode.dry)
+    return stacking::build_resumable(cell, catalogue, robot, run.build, hooks,
+                                     mode.keeps ? hooks.states_folder : std::string(), mode.resumes);
   FirstStep first = plan_first_step(cell, catalogue, robot, run.build, hooks);
   measure_clearance(first);
   return std::move(first.result);
@@ -176,7 +179,12 @@ void build(RunReport& report, Cell cell, Performance& p) {
   log_info("record in " + p.folder);
   if (p.run.build.unseen) {
     const std::string stones = p.mode.save_catalogue.empty() ? p.folder + "/stones" : p.mode.save_catalogue;
-    if (!model_unseen(report, cell, p.run, p.robot, p.mode, stones, journal, p.stones)) return;
+    if (p.mode.resumes) {
+      p.stones.modelled = read_catalogue(stones);
+      report.catalogue = stones;
+    } else if (!model_unseen(report, cell, p.run, p.robot, p.mode, stones, journal, p.stones)) {
+      return;
+    }
     if (p.mode.only_model) {
       report.result.end = RunResult::End::kHeightReached;  // none was asked for
       report.result.ended = "the stones are modelled";
@@ -193,7 +201,7 @@ void build(RunReport& report, Cell cell, Performance& p) {
                            progress.hear(event);
                          },
                          &journal, p.folder, p.mode.before_motion};
-  report.result = perform_in(watched, p.run, catalogue, p.robot, hooks, p.mode.dry);
+  report.result = perform_in(watched, p.run, catalogue, p.robot, hooks, p.mode);
   clear_progress();
 }
 
@@ -207,6 +215,10 @@ void build_on_devices(RunReport& report, const CellConfig& config, Performance& 
   if (p.mode.before_motion && hardware.activates_gripper() &&
       !p.mode.before_motion({"activate the gripper, whose fingers open and close fully"}))
     throw Interrupted();
+  if (p.mode.resumes && hardware.activates_gripper())
+    throw DeviceError("gripper",
+                      "is not active any more: it would open fully, and drop a stone that it holds",
+                      "take what it holds out of it, activate it at the pendant, then resume");
   hardware.activate_gripper();
   build(report, hardware.cell(), p);
 }
@@ -292,7 +304,9 @@ RecordedRun perform(const SimulatedRun& run, const Catalogue& catalogue, const R
       file == nullptr ? CellLayout{} : true_layout(to_layout(file->cell()), file->servers()),
       run.build.gripper, file != nullptr);
   layout.linkage = run.build.linkage;
-  SimulatedCell world(catalogue.stones, present, robot, layout, run.simulation);
+  SimulatedCell world(catalogue.stones, present, robot, layout, run.simulation,
+                      mode.resumes ? folder.path() : std::string());
+  if (mode.keeps) world.keep_in(folder.path());
   Performance p{run, robot, done.folder, view, mode, layout, {catalogue, {}}};
   if (file == nullptr) {
     build(report, world.cell(), p);

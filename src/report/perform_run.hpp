@@ -15,6 +15,8 @@ struct RunMode {
   BeforeMotion before_motion;  ///< empty: nobody is asked
   std::string save_catalogue;  ///< as in RunOrder
   bool only_model = false;     ///< likewise
+  bool keeps = false;          ///< keeps in the folder what a resume needs
+  bool resumes = false;        ///< goes on with the run that the folder holds
 };
 
 /// Builds a tower of the stones `present` (indices into the catalogue). With `file` the simulated devices are

@@ -7,7 +7,9 @@
 #include "report/known_cells.hpp"
 #include "report/perform_run.hpp"
 #include "report/run_folder.hpp"
+#include "report/run_order.hpp"
 #include "stacking/model_field.hpp"
+#include "stacking/resume_point.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
@@ -55,7 +57,10 @@ RunOrder at_slow_speed(RunOrder order) {
 RecordedRun record_at_speed(const RunOrder& order, const Catalogue& catalogue, const RecordFolder& folder) {
   const CellFile* const file = order.cell ? &*order.cell : nullptr;
   if (file != nullptr) (void)with_option_gripper(to_layout(file->cell()), order.run.build.gripper, true);
-  const RunMode mode{order.dry, order.before_motion, order.save_catalogue, order.only_model};
+  const bool resumes = !order.resume.empty();
+  const RunMode mode{order.dry,        order.before_motion, order.save_catalogue,
+                     order.only_model, can_resume(order),   resumes};
+  if (mode.keeps && !resumes) write_order(folder.path(), order, catalogue);
   if (is_real(order))
     return perform_real(order.run, catalogue, *file, folder, order.version, order.view, mode);
   const RobotModel robot = file == nullptr ? order.robot : read_cell_robot(file->cell());
@@ -68,6 +73,7 @@ RecordedRun record_at_speed(const RunOrder& order, const Catalogue& catalogue, c
 
 /// Refuses what can be refused before anything moves.
 void check_unseen(const RunOrder& order) {
+  if (!order.resume.empty()) return;  // its stones are modelled
   const bool unseen = order.run.build.unseen;
   require(!unseen || !order.dry,
           "a dry run moves nothing, but stones that nobody scanned are modelled by moving "
@@ -86,8 +92,12 @@ void check_unseen(const RunOrder& order) {
 
 RecordedRun record_run(const RunOrder& order, const Catalogue& catalogue) {
   check_unseen(order);
-  const RecordFolder folder = take_run_folder(order.out, order.run.seed);
+  const RecordFolder folder =
+      order.resume.empty() ? take_run_folder(order.out, order.run.seed) : take_resumed_folder(order.resume);
   RecordedRun done = record_at_speed(is_slow(order) ? at_slow_speed(order) : order, catalogue, folder);
+  const RunEnd end = done.report.result.end;
+  done.resumable = can_resume(order) && (end == RunEnd::kInterrupted || end == RunEnd::kStopped) &&
+                   std::filesystem::exists(folder.path() + stacking::kResumeFile);
   if (is_real(order) && is_completed(done.report.result)) note_known_cell(order.cell->path);
   return done;
 }

@@ -1,4 +1,5 @@
 #pragma once
+#include <nlohmann/json_fwd.hpp>
 #include <vector>
 
 #include "physics/shape.hpp"
@@ -56,6 +57,9 @@ class PadContact {
   PadLoad press(const MovingFrame& pad, const MovingFrame& stone);
   /// True if the last `press` found the stone in the pad.
   [[nodiscard]] bool touching() const { return touching_; }
+  /// The bristles that hold the stone, to be restored in another process.
+  [[nodiscard]] nlohmann::json kept() const;
+  void restore(const nlohmann::json& kept);
 
   static constexpr double kReach = 0.006;  ///< [m]
 

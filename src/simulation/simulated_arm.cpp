@@ -173,12 +173,13 @@ std::optional<std::string> find_link_hit(const TrueWorld& world, const TrueMount
 }
 
 SimulatedArm::SimulatedArm(TrueWorld& world, const RobotModel& robot, const TrueMounting& mounting,
-                           SimulatedForceTorque& force_torque, const SimulationOptions& options,
-                           const Joints& q, const Pose& T_W_R_assumed)
+                           SimulatedForceTorque& force_torque, CellKeeper& keeper,
+                           const SimulationOptions& options, const Joints& q, const Pose& T_W_R_assumed)
     : world_(&world),
       robot_(robot),
       mounting_(mounting),
       force_torque_(&force_torque),
+      keeper_(&keeper),
       random_(Random::stream(static_cast<std::uint64_t>(options.seed), "arm repeatability")),
       jitter_sigma_(joint_sigma(options.arm_repeatability, robot, mounting.T_F_T, q)),
       T_W_R_assumed_(T_W_R_assumed),
@@ -205,14 +206,18 @@ ArmState SimulatedArm::state() {
 }
 
 MotionResult SimulatedArm::follow(const JointTrajectory& trajectory) {
-  return move(trajectory, nullptr);
+  MotionResult result = move(trajectory, nullptr);
+  keeper_->changed(world_->time());
+  return result;
 }
 
 MotionResult SimulatedArm::follow_guarded(const GuardedMotion& motion) {
   require(motion.threshold > 0 && std::abs(motion.n_W_direction.norm() - 1) < 1e-6,
           "a guard needs a positive threshold and a unit direction, got ", motion.threshold, " N and length ",
           motion.n_W_direction.norm());
-  return move(motion.trajectory, &motion);
+  MotionResult result = move(motion.trajectory, &motion);
+  keeper_->changed(world_->time());
+  return result;
 }
 
 void SimulatedArm::set_payload(double mass, const Eigen::Vector3d& p_F_com) {
@@ -286,6 +291,7 @@ MotionResult SimulatedArm::move(const JointTrajectory& trajectory, const Guarded
     t += progress.seconds;
     q_ = reported(t);
     backlash_.arrive(q_ + jitter_);
+    keeper_->changing(world_->time());
     stop_reason_ = progress.stopped;
     if (stop_reason_.empty()) stop_reason_ = overspeed(sample(trajectory, t).qd, t);
     if (stop_reason_.empty() && tick++ % kTicksPerCheck == 0)

@@ -1,4 +1,6 @@
 #pragma once
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 
@@ -37,6 +39,8 @@ class Backlash {
     return output_.cwiseMax(q - Joints::Constant(half_)).cwiseMin(q + Joints::Constant(half_));
   }
   void arrive(const Joints& q) { output_ = output(q); }
+  [[nodiscard]] const Joints& output() const { return output_; }
+  void restore(const Joints& output) { output_ = output; }
 
  private:
   double half_;  // rad
@@ -46,6 +50,25 @@ class Backlash {
 /// Names what a link of the arm overlaps, with the reported joints `q`.
 [[nodiscard]] std::optional<std::string> find_link_hit(const TrueWorld& world, const TrueMounting& mounting,
                                                        const Joints& q);
+
+/// Keeps the cell for another process whenever its devices have changed it; nothing until `keep` is set.
+class CellKeeper {
+ public:
+  std::function<void()> keep;
+  /// Call at the end of each command.
+  void changed(double time) {
+    last_ = time;
+    if (keep) keep();
+  }
+  /// Call while a command goes on.
+  void changing(double time) {
+    if (time - last_ >= kInterval) changed(time);
+  }
+
+ private:
+  static constexpr double kInterval = 0.2;  // s, of the cell's clock
+  double last_ = 0.0;
+};
 
 /// The world's time.
 class SimulatedClock final : public Clock {
@@ -69,6 +92,8 @@ class SimulatedForceTorque final : public ForceTorqueSensor {
   void zero() override;
   /// The untared reading at the world's time; never waits.
   [[nodiscard]] Wrench measure();
+  [[nodiscard]] nlohmann::json kept() const;
+  void restore(const nlohmann::json& kept);
 
  private:
   [[nodiscard]] Wrench sample();
@@ -90,8 +115,8 @@ class SimulatedForceTorque final : public ForceTorqueSensor {
 class SimulatedArm final : public Arm {
  public:
   SimulatedArm(TrueWorld& world, const RobotModel& robot, const TrueMounting& mounting,
-               SimulatedForceTorque& force_torque, const SimulationOptions& options, const Joints& q,
-               const Pose& T_W_R_assumed);
+               SimulatedForceTorque& force_torque, CellKeeper& keeper, const SimulationOptions& options,
+               const Joints& q, const Pose& T_W_R_assumed);
   [[nodiscard]] ArmState state() override;
   [[nodiscard]] MotionResult follow(const JointTrajectory& trajectory) override;
   [[nodiscard]] MotionResult follow_guarded(const GuardedMotion& motion) override;
@@ -102,6 +127,9 @@ class SimulatedArm final : public Arm {
   /// Pose of the tool with the reported joints `q`, without load, when each gear lies in the middle of its
   /// play.
   [[nodiscard]] Pose true_T_W_T(const Joints& q) const;
+  /// Where it stands; a protective stop is not kept: who goes on has seen to it.
+  [[nodiscard]] nlohmann::json kept() const;
+  void restore(const nlohmann::json& kept);
 
  private:
   [[nodiscard]] Pose tool_at(const Joints& output) const;
@@ -114,6 +142,7 @@ class SimulatedArm final : public Arm {
   RobotModel robot_;
   TrueMounting mounting_;
   SimulatedForceTorque* force_torque_;
+  CellKeeper* keeper_;
   Random random_;
   double jitter_sigma_;  // rad
   Pose T_W_R_assumed_;
@@ -128,15 +157,18 @@ class SimulatedArm final : public Arm {
 /// have one each: A gives the commanded force, B and C half of it each. Two share one.
 class SimulatedGripper final : public Gripper {
  public:
-  explicit SimulatedGripper(TrueWorld& world) : world_(&world) {}
+  SimulatedGripper(TrueWorld& world, CellKeeper& keeper) : world_(&world), keeper_(&keeper) {}
   [[nodiscard]] GripperState state() override;
   /// Force and speed are clamped to what the device can (3-finger: 15 to 60 N, 22 to 110 mm/s), as it does
   /// itself.
   GripperState move(double opening, double speed, double force) override;
   void spread(double spacing) override;
+  [[nodiscard]] nlohmann::json kept() const;
+  void restore(const nlohmann::json& kept);
 
  private:
   TrueWorld* world_;
+  CellKeeper* keeper_;
   bool object_ = false;
 };
 
@@ -146,6 +178,8 @@ class SimulatedCamera final : public DepthCamera {
   SimulatedCamera(TrueWorld& world, const std::vector<Stone>& stones, const TrueMounting& mounting,
                   const SimulationOptions& options);
   [[nodiscard]] DepthFrame capture() override;
+  [[nodiscard]] nlohmann::json kept() const;
+  void restore(const nlohmann::json& kept);
 
  private:
   TrueWorld* world_;

@@ -55,8 +55,10 @@ GripperState SimulatedGripper::move(double target, double speed, double force) {
     for (std::size_t f = 0; f < drives.size(); ++f)
       max_move = std::max(max_move, std::abs(world_->gripper_pose().finger[f] - from.finger[f]));
     still = max_move < kPositioned ? still + kGripperTick : 0.0;
+    keeper_->changing(world_->time());
   }
   for (const auto& drive : *world_->finger_drives()) object_ = object_ || drive.holding;
+  keeper_->changed(world_->time());
   return state();
 }
 
@@ -72,6 +74,7 @@ void SimulatedGripper::spread(double spacing) {
     return gripper_pose;
   };
   const Progress progress = world_->advance(kSpread, path);
+  keeper_->changed(world_->time());
   if (!progress.stopped.empty())
     throw DeviceError("simulated gripper", progress.stopped, "move the arm away and look at the cell");
 }

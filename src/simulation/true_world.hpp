@@ -1,6 +1,7 @@
 #pragma once
 #include <deque>
 #include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -112,6 +113,10 @@ class TrueWorld {
   void put_away(StoneIndex stone);
   /// Contacts as they are now, after one step of a world of its own. Bodies are numbered as stones are.
   [[nodiscard]] std::vector<Contact> contacts() const;
+  /// State of stones and gripper as JSON, to be restored in another process, at rest. Not in it: what a late
+  /// force sensor would still report.
+  [[nodiscard]] nlohmann::json kept() const;
+  void restore(const nlohmann::json& kept);
   /// A world with every stone free and the true frictions, without the gripper. Body i is `present()[i]`.
   [[nodiscard]] std::unique_ptr<RigidWorld> judge_world(double step, int iterations,
                                                         EngineKind engine = EngineKind::kBullet) const;

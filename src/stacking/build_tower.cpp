@@ -1,7 +1,10 @@
 #include "stonestack/stacking/build_tower.hpp"
 
+#include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "hardware/read_only_devices.hpp"
@@ -13,8 +16,10 @@
 #include "stacking/record.hpp"
 #include "stacking/recorded_devices.hpp"
 #include "stacking/replay.hpp"
+#include "stacking/resume_point.hpp"
 #include "stacking/state_file.hpp"
 #include "stacking/stepped_devices.hpp"
+#include "stacking/take_back.hpp"
 #include "stacking/workcell.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
@@ -42,16 +47,18 @@ Decision decide(Workcell& w, const Known& known, const Listener& listener) {
   return decision;
 }
 
-RunMemory learn_timed(Workcell& w, RunMemory memory, const WorldEstimate& seen) {
+RunMemory learn_timed(Workcell& w, RunMemory memory, const WorldEstimate& seen, const Listener& listener) {
   const Stopwatch watch;
-  memory = learn(std::move(memory), seen, w.models, w.options, w.emit);
+  memory = learn(std::move(memory), seen, w.models, w.options, listener);
   w.seconds.search += watch.seconds();
   return memory;
 }
 
 /// Observes and learns. While the arm moves the next action is chosen for the world as predicted; what the
-/// search found for it is kept if the prediction comes true.
-Known observe_and_learn(Workcell& w, const Expectation& expected, RunMemory memory) {
+/// search found for it is kept if the prediction comes true. What is learned is written for a resume before
+/// anybody hears of it.
+Known observe_and_learn(Workcell& w, const Expectation& expected, RunMemory memory,
+                        const ResumeWriter& resume) {
   std::optional<SearchOutcome> ahead;
   const auto while_moving = [&](const WorldEstimate& predicted) {
     const Known then{predicted, learn(memory, predicted, w.models, w.options, {})};
@@ -63,11 +70,15 @@ Known observe_and_learn(Workcell& w, const Expectation& expected, RunMemory memo
   Observation seen = observe(w, expected, while_moving);
   const std::size_t judged = memory.records.size();
   Known known{std::move(seen.world), {}};
-  known.memory = learn_timed(w, std::move(memory), known.world);
+  std::vector<Event> learned;
+  known.memory =
+      learn_timed(w, std::move(memory), known.world, [&](const Event& event) { learned.push_back(event); });
   const auto& records = known.memory.records;
   const bool as_meant =
       records.size() == judged || records.back().outcome == PlacementRecord::Outcome::kPlaced;
   if (seen.as_predicted && as_meant) known.memory.search = std::move(ahead);
+  resume.observed(known.world, known.memory, learned);
+  for (const Event& event : learned) w.emit(event);
   return known;
 }
 
@@ -78,7 +89,9 @@ class StateWriter {
   void write(const Known& known) {
     if (!w_.options.save_states || folder_.empty()) return;
     char name[32];
-    std::snprintf(name, sizeof name, "/state-%03d.json", ++count_);
+    do {  // a run that goes on has some already
+      std::snprintf(name, sizeof name, "/state-%03d.json", ++count_);
+    } while (std::filesystem::exists(folder_ + name));
     write_state(folder_ + name, known.world, known.memory, w_.models, w_.options);
   }
 
@@ -109,27 +122,45 @@ NextStep choose_with_motion(Workcell& w, StateWriter& states, Known& known) {
 }
 
 /// The first observation: at the site, in the field, or with `views` from where the arm stands.
-Known observe_first(Workcell& w, std::shared_ptr<const Views> views = nullptr) {
+Known observe_first(Workcell& w, const ResumeWriter& resume, std::shared_ptr<const Views> views = nullptr) {
   Expectation at_first;
   at_first.first = true;
   at_first.views = std::move(views);
   const RunMemory empty = make_memory(w.options);
   at_first.friction = empty.friction;
-  return observe_and_learn(w, at_first, empty);
+  return observe_and_learn(w, at_first, empty, resume);
 }
 
-/// The loop.
-Stop build(Workcell& w, StateWriter& states, Journal* journal) {
-  Known known = observe_first(w);
+/// The first observation of a run that goes on, once the gripper is free. Where nothing was observed before,
+/// that of a new run.
+Known observe_again(Workcell& w, ResumePoint point, const ResumeWriter& resume, Journal* journal) {
+  if (!point.state) {
+    (void)leave_motion(w, {}, {}, nullptr, journal);
+    return observe_first(w, resume);
+  }
+  const WorldEstimate& world = point.state->world;
+  RunMemory memory = without_world(std::move(point.state->memory));
+  w.cell.layout = world.layout;
+  if (leave_motion(w, world, memory, point.motion ? &*point.motion : nullptr, journal))
+    memory.attempt->done.status = ExecutionResult::Status::kTakenBack;
+  const Expectation expected = expected_again(world, memory);
+  return observe_and_learn(w, expected, std::move(memory), resume);
+}
+
+/// The loop, from the first observation on.
+Stop build(Workcell& w, StateWriter& states, const ResumeWriter& resume, Journal* journal, Known known) {
   for (;;) {
     const auto [action, memory, plan] = choose_with_motion(w, states, known);
     if (const auto* stop = std::get_if<Stop>(&action)) return *stop;
+    ExecutionResult unknown;
+    unknown.status = ExecutionResult::Status::kUnknown;
+    resume.acting(known.world, remember(memory, known.world, action, plan, unknown), plan);
     const ExecutionResult done = execute(w, action, plan, known.world.stack.size(), journal);
     known.memory = remember(memory, known.world, action, plan, done);
     if (known.memory.failure)
       known.memory = learn_of_stop(known.memory, w.models, w.emit);
     else
-      known = observe_and_learn(w, expected_after(known.world, known.memory, action), known.memory);
+      known = observe_and_learn(w, expected_after(known.world, known.memory, action), known.memory, resume);
   }
 }
 
@@ -167,7 +198,8 @@ std::vector<PlannedStep> steps_of(const Workcell& w, const Action& action, const
 
 /// One view without a motion, and the first action that a motion is found for.
 Stop look_and_plan(Workcell& w, StateWriter& states, FirstStep& first, std::vector<PlannedStep>& steps) {
-  Known known = observe_first(w, std::make_shared<const Views>());
+  const ResumeWriter nowhere({}, w.models, w.options, w.seconds, nullptr);
+  Known known = observe_first(w, nowhere, std::make_shared<const Views>());
   if (known.world.site == SiteStatus::kUnseen) {
     log_info("the site is not in view; it is taken to be free");
     known.world.site = SiteStatus::kFree;
@@ -192,10 +224,48 @@ Stop look_and_plan(Workcell& w, StateWriter& states, FirstStep& first, std::vect
   return {RunEnd::kPlanned, "dry run, nothing moved; the first step would be: " + what};
 }
 
-/// Everything around the loop: what it does, with which devices, and how it ended.
+/// Lets the journal write where the arm is with each step, as long as this object lives.
+class WatchedArm {
+ public:
+  WatchedArm(Journal* journal, const Timeline& timeline) : journal_(journal) {
+    if (journal_ == nullptr) return;
+    journal_->watch_arm([&timeline] {
+      if (timeline.samples.empty()) return std::string();
+      const MotionSample& now = timeline.samples.back();
+      const auto to_digits = [](double value) { return std::round(1e5 * value) / 1e5; };
+      nlohmann::json q = nlohmann::json::array();
+      for (const double angle : now.q) q.push_back(to_digits(angle));
+      return nlohmann::json{{"q", q}, {"force", to_digits(now.force)}, {"holds", now.holds}}.dump();
+    });
+  }
+  ~WatchedArm() {
+    if (journal_ != nullptr) journal_->watch_arm({});
+  }
+  WatchedArm(const WatchedArm&) = delete;
+  WatchedArm& operator=(const WatchedArm&) = delete;
+
+ private:
+  Journal* journal_;
+};
+
+/// Closes the gap in the journal, and opens its next part.
+void note_resumed(Journal& journal, const ResumePoint& before) {
+  complete_journal(journal, before);
+  nlohmann::json data{{"placements", 0}, {"attempt", nullptr}};
+  if (before.state) {
+    const RunMemory& memory = before.state->memory;
+    data["placements"] = memory.records.size();
+    if (memory.attempt) data["attempt"] = name_of(memory.attempt->action);
+  }
+  journal.record("resumed", data.dump());
+}
+
+/// Everything around the loop: what it does, with which devices, and how it ended. `before`: a run that goes
+/// on.
 RunResult run_with(Cell& cell, const Catalogue& catalogue, const RobotModel& robot,
                    const BuildOptions& options, const BuildHooks& hooks,
-                   const std::function<Stop(Workcell&, StateWriter&)>& work) {
+                   const std::function<Stop(Workcell&, StateWriter&)>& work,
+                   const ResumePoint* before = nullptr) {
   Cell planned = cell;
   planned.layout.linkage = options.linkage;
   require(options.wall.empty() || options.search.method == "default", "a wall needs the default search, not ",
@@ -204,6 +274,8 @@ RunResult run_with(Cell& cell, const Catalogue& catalogue, const RobotModel& rob
   if (models.wall && models.wall->centre_W) planned.layout.site = *models.wall->centre_W;
   const DetectionModels detection(catalogue.stones, options.detection);
   Recorder recorder(models, hooks, cell.clock);
+  if (before != nullptr) recorder.go_on_from(*before);
+  const WatchedArm watched(hooks.journal, recorder.result().timeline);
   std::optional<SteppedDevices> stepped;
   if (hooks.before_motion) stepped.emplace(planned, robot, hooks.before_motion, hooks.journal);
   RecordedDevices devices(stepped ? stepped->cell() : planned, recorder.result().timeline);
@@ -231,13 +303,26 @@ RunResult run_with(Cell& cell, const Catalogue& catalogue, const RobotModel& rob
 
 }  // namespace
 
-RunResult build_tower(Cell& cell, const Catalogue& catalogue, const RobotModel& robot,
-                      const BuildOptions& options, const BuildHooks& hooks) {
+RunResult build_resumable(Cell& cell, const Catalogue& catalogue, const RobotModel& robot,
+                          const BuildOptions& options, const BuildHooks& hooks, const std::string& folder,
+                          bool resumes) {
+  std::optional<ResumePoint> before;
+  if (resumes) {
+    before = read_resume_point(folder, catalogue);
+    if (hooks.journal != nullptr) note_resumed(*hooks.journal, *before);
+  }
   const auto run_in = [&](Cell& devices) {
-    return run_with(devices, catalogue, robot, options, hooks, [&](Workcell& workcell, StateWriter& states) {
-      return build(workcell, states, hooks.journal);
-    });
+    return run_with(
+        devices, catalogue, robot, options, hooks,
+        [&](Workcell& w, StateWriter& states) {
+          const ResumeWriter resume(folder, w.models, w.options, w.seconds, hooks.journal);
+          if (!before) resume.begin();
+          Known known = before ? observe_again(w, *before, resume, hooks.journal) : observe_first(w, resume);
+          return build(w, states, resume, hooks.journal, std::move(known));
+        },
+        before ? &*before : nullptr);
   };
+  if (resumes) return run_in(cell);  // the tape of the devices ends where the run was broken off
   if (!options.save_states || hooks.states_folder.empty()) return run_in(cell);
   const std::string inputs = hooks.states_folder + kInputsFolder;
   write_start(inputs, cell.layout, catalogue, robot, options, hooks.journal);
@@ -245,6 +330,11 @@ RunResult build_tower(Cell& cell, const Catalogue& catalogue, const RobotModel& 
   TapedDevices taped(cell, *tape);
   Cell devices = taped.cell();
   return run_in(devices);
+}
+
+RunResult build_tower(Cell& cell, const Catalogue& catalogue, const RobotModel& robot,
+                      const BuildOptions& options, const BuildHooks& hooks) {
+  return build_resumable(cell, catalogue, robot, options, hooks, {}, false);
 }
 
 FirstStep plan_first_step(Cell& cell, const Catalogue& catalogue, const RobotModel& robot,

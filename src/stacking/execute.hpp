@@ -11,8 +11,9 @@ namespace stonestack::stacking {
 /// How carrying out a plan ended.
 struct ExecutionResult {
   /// kNotPicked: it did not come up with the gripper. kLost: it came up and fell out of the gripper on the
-  /// way.
-  enum class Status { kReleased, kNotPicked, kLost, kStopped };
+  /// way. kUnknown: the program ended meanwhile, and the next view decides. kTakenBack: likewise, and then
+  /// the stone was set down where it had been picked.
+  enum class Status { kReleased, kNotPicked, kLost, kStopped, kUnknown, kTakenBack };
   Status status = Status::kReleased;
   double contact_force = 0.0;  ///< at the end of the guarded descent [N]
   std::string reason;          ///< when it was not released

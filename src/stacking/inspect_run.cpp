@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "stacking/resume_point.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/stacking/scene_tasks.hpp"
@@ -72,6 +73,12 @@ const std::map<std::string, Words>& words() {
        [](const json& d) {
          return concat(d.at("stone").get<std::string>(), ": ", d.at("outcome").get<std::string>());
        }},
+      {"resumed",
+       [](const json& d) {
+         const json& attempt = d.at("attempt");
+         return concat("resumed after ", d.at("placements").get<int>(), " placements",
+                       attempt.is_null() ? "" : ", in the midst of: " + attempt.get<std::string>());
+       }},
       {"end",
        [](const json& d) {
          return concat("end (", d.at("end").get<std::string>(), "): ", d.at("reason").get<std::string>());
@@ -110,6 +117,7 @@ struct Inspection {
   void add(const std::string& line) {
     const json j = json::parse(line, nullptr, false);
     const std::string number = concat("line ", ++lines);
+    if (is_damaged(line)) damaged.push_back(number + " is not as it was written");
     try {
       if (j.at("seq").get<long>() != lines - 1)
         damaged.push_back(concat(number, " has the sequence number ", j.at("seq").get<long>()));
@@ -121,11 +129,25 @@ struct Inspection {
       if (kind == "observed") last = data;
       if (kind == "outcome") outcomes.push_back(data);
       if (kind == "end") end = data;
+      if (kind == "resumed") {  // what was in the midst of being done is judged again
+        end = nullptr;
+        while (outcomes.size() > data.at("placements").get<std::size_t>())
+          outcomes.erase(outcomes.size() - 1);
+      }
     } catch (const json::exception&) {
       damaged.push_back(number + " is no line of a journal");
     }
   }
 };
+
+/// Is what a resume needs in the folder, of a run that did not come to an end of its own?
+bool can_go_on(const std::string& folder, const json& end) {
+  if (!std::filesystem::exists(folder + kResumeFile)) return false;
+  if (end.is_null()) return true;
+  const auto how = end.at("end").get<std::string>();
+  return how == to_text(RunEnd::kInterrupted) || how == to_text(RunEnd::kStopped) ||
+         how == to_text(RunEnd::kFailed);
+}
 
 json names_of(const json& stones) {
   json names = json::array();
@@ -151,6 +173,8 @@ RunInspection inspect_run(const std::string& folder) {
     summary += concat("; the run was not ended by the program",
                       found.step.empty() ? "" : ", the last step that began: " + found.step);
   summary += "\n";
+  if (can_go_on(folder, found.end))
+    summary += concat("go on with it: stonestack run --resume ", folder, "\n");
   for (const std::string& line : found.damaged) summary += line + "\n";
   RunInspection result;
   result.whole = found.damaged.empty() && !found.end.is_null();
@@ -162,7 +186,8 @@ RunInspection inspect_run(const std::string& folder) {
                                        {"stack", names_of(found.last.at("stack"))},
                                        {"loose", names_of(found.last.at("loose"))},
                                        {"outcomes", found.outcomes},
-                                       {"end", found.end}}
+                                       {"end", found.end},
+                                       {"resumable", can_go_on(folder, found.end)}}
                     .dump(2) +
                 "\n";
   return result;

@@ -5,11 +5,16 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
+#include <cstdio>
 #include <cstring>
+#include <ctime>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <utility>
 
+#include "protocol/frame_stream.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 
@@ -17,6 +22,30 @@ namespace stonestack::stacking {
 namespace {
 
 constexpr std::size_t kMaxJournal = std::size_t{1} << 28;
+constexpr std::string_view kCrcBegin = ",\"crc\":\"";
+constexpr std::size_t kCrcDigits = 8;
+
+/// Of a line up to its checksum: CRC-32, eight hexadecimal digits.
+std::string checksum(std::string_view content) {
+  char text[16];
+  const auto* bytes = reinterpret_cast<const std::uint8_t*>(content.data());
+  std::snprintf(text, sizeof text, "%08x", protocol::crc32(std::span(bytes, content.size())));
+  return text;
+}
+
+/// "2026-11-21T14:30:00.123Z"
+std::string now_text() {
+  using namespace std::chrono;
+  const auto now = system_clock::now().time_since_epoch();
+  const std::time_t whole = duration_cast<seconds>(now).count();
+  std::tm parts{};
+  gmtime_r(&whole, &parts);
+  char date[24], text[40];
+  std::strftime(date, sizeof date, "%Y-%m-%dT%H:%M:%S", &parts);
+  std::snprintf(text, sizeof text, "%s.%03dZ", date,
+                static_cast<int>(duration_cast<milliseconds>(now).count() % 1000));
+  return text;
+}
 
 [[noreturn]] void fail(const std::string& path) {
   throw FileError(path, concat("cannot be written: ", std::strerror(errno)),
@@ -49,25 +78,38 @@ Journal::Journal(Journal&& other) noexcept
     : path_(std::move(other.path_)),
       descriptor_(std::exchange(other.descriptor_, -1)),
       next_(other.next_),
-      step_(std::move(other.step_)) {}
+      step_(std::move(other.step_)),
+      arm_json_(std::move(other.arm_json_)) {}
 
 Journal& Journal::operator=(Journal&& other) noexcept {
   std::swap(path_, other.path_);
   std::swap(descriptor_, other.descriptor_);
   std::swap(next_, other.next_);
   std::swap(step_, other.step_);
+  std::swap(arm_json_, other.arm_json_);
   return *this;
 }
 
-void Journal::record(const std::string& kind, const std::string& data_json) {
+void Journal::record(const std::string& kind, const std::string& data_json, const std::string& arm_json) {
   if (descriptor_ < 0) return;
   nlohmann::ordered_json entry;
   entry["seq"] = next_++;
+  entry["time"] = now_text();
   entry["kind"] = kind;
   entry["data"] = nlohmann::ordered_json::parse(data_json);
-  const std::string line = entry.dump() + "\n";
+  if (!arm_json.empty()) entry["arm"] = nlohmann::ordered_json::parse(arm_json);
+  std::string line = entry.dump();
+  line.pop_back();  // the brace
+  line += concat(kCrcBegin, checksum(line), "\"}\n");
   const ssize_t put = ::write(descriptor_, line.data(), line.size());
   if (put != static_cast<ssize_t>(line.size()) || ::fdatasync(descriptor_) != 0) fail(path_);
+}
+
+bool is_damaged(std::string_view line) {
+  const std::size_t end = kCrcBegin.size() + kCrcDigits + 2;  // of the line, from the checksum on
+  if (line.size() < end || line.substr(line.size() - end, kCrcBegin.size()) != kCrcBegin) return false;
+  const std::string_view content = line.substr(0, line.size() - end);
+  return line.substr(line.size() - kCrcDigits - 2, kCrcDigits) != checksum(content);
 }
 
 }  // namespace stonestack::stacking

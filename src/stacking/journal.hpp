@@ -1,5 +1,7 @@
 #pragma once
+#include <functional>
 #include <string>
+#include <string_view>
 
 #include "stonestack/core/rooms.hpp"
 
@@ -17,10 +19,14 @@ class Journal {
   Journal(Journal&& other) noexcept;
   Journal& operator=(Journal&& other) noexcept;
 
-  /// Appends {"seq", "kind", "data"} in one write and waits until it is on the disk. `data_json` is a JSON
-  /// value.
+  /// Appends {"seq", "time", "kind", "data", "arm", "crc"} in one write and waits until it is on the disk.
+  /// `data_json` is a JSON value; `arm_json` likewise, or empty for a line without "arm".
   /// @throws FileError when the disk refuses.
-  void record(const std::string& kind, const std::string& data_json);
+  void record(const std::string& kind, const std::string& data_json, const std::string& arm_json = {});
+  /// Sets where the state of the arm comes from that goes with each step; empty: nowhere.
+  void watch_arm(std::function<std::string()> arm_json) { arm_json_ = std::move(arm_json); }
+  /// State of the arm as JSON; empty where nobody watches it.
+  [[nodiscard]] std::string arm() const { return arm_json_ ? arm_json_() : std::string(); }
   /// Number of lines that it has.
   [[nodiscard]] long lines() const { return next_; }
   /// Keeps the name of the step that begins, for who asks before it.
@@ -33,6 +39,10 @@ class Journal {
   int descriptor_ = -1;
   long next_ = 0;
   std::string step_;
+  std::function<std::string()> arm_json_;
 };
+
+/// Is a line of a journal not as it was written? Lines of earlier versions have no checksum.
+[[nodiscard]] bool is_damaged(std::string_view line);
 
 }  // namespace stonestack::stacking

@@ -45,6 +45,11 @@ void note_view(RunMemory& memory, const LookAgain& view) {
     ++memory.sought_beside_site;
 }
 
+/// The program ended while the action was carried out.
+bool is_broken_off(const Attempt& attempt) {
+  return attempt.done.status == Status::kUnknown || attempt.done.status == Status::kTakenBack;
+}
+
 /// How the world should be seen after a motion that ended like that.
 void expect(Attempt& attempt, const WorldEstimate& world) {
   attempt.expected_stack = world.stack;
@@ -52,6 +57,12 @@ void expect(Attempt& attempt, const WorldEstimate& world) {
   const StoneIndex stone = attempt.placement.stone;
   const StoneEstimate there{stone, attempt.placement.T_W_O, attempt.placement.T_W_O};
   const bool released = attempt.done.status == Status::kReleased;
+  if (is_broken_off(attempt)) {  // it may be at either end
+    auto& list =
+        std::holds_alternative<Place>(attempt.action) ? attempt.expected_stack : attempt.expected_loose;
+    list.push_back(there);
+    return;
+  }
   if (std::holds_alternative<Place>(attempt.action)) {
     if (released) attempt.expected_stack.push_back(there);
     erase(attempt.expected_loose, stone);
@@ -160,6 +171,34 @@ PlacementRecord judge_placing(const Attempt& attempt, const WorldEstimate& seen,
   return record;
 }
 
+/// Was nothing done with the stone, as far as is seen? `expected_loose` and `below` have it where it was.
+bool lies_as_before(const Attempt& attempt, const WorldEstimate& seen, const BuildOptions& options) {
+  const StoneIndex stone = attempt.placement.stone;
+  const StoneEstimate* now = find(seen.loose, stone);
+  if (std::holds_alternative<Unstack>(attempt.action)) return find(seen.stack, stone) != nullptr;
+  if (now == nullptr) return false;
+  if (attempt.done.status == Status::kTakenBack) return true;
+  const StoneEstimate* before = find(attempt.expected_loose, stone);  // the first of that stone
+  if (before == nullptr) return false;
+  const auto moved = difference(now->T_W_O_at_rest, before->T_W_O_at_rest);
+  return moved.translation <= options.placed_shift && moved.angle <= options.placed_turn;
+}
+
+/// The memory before the attempt was made.
+RunMemory undo(RunMemory memory, const Attempt& attempt) {
+  --memory.actions;
+  if (std::holds_alternative<Reorient>(attempt.action)) --memory.reoriented;
+  if (std::holds_alternative<ClearBase>(attempt.action)) --memory.cleared;
+  if (std::holds_alternative<Push>(attempt.action)) --memory.pushed;
+  if (!std::holds_alternative<Unstack>(attempt.action)) return memory;
+  --memory.unstacked;
+  if (memory.unstacking) {
+    ++memory.unstacking->remaining;
+    --memory.unstacking->tried;
+  }
+  return memory;
+}
+
 }  // namespace
 
 std::string to_text(PlacementRecord::Outcome outcome) {
@@ -251,8 +290,8 @@ RunMemory remember(RunMemory memory, const WorldEstimate& world, const Action& a
     --memory.unstacking->remaining;
     ++memory.unstacking->tried;
   }
-  if (!std::holds_alternative<Place>(action) && !std::holds_alternative<Push>(action) &&
-      done.status != Status::kReleased)
+  const bool failed = done.status != Status::kReleased && done.status != Status::kUnknown;
+  if (!std::holds_alternative<Place>(action) && !std::holds_alternative<Push>(action) && failed)
     memory.failed_grasps[plan.placement.stone].push_back(plan.pick_and_place.T_O_T);
   if (memory.search && memory.search->wall) memory.wall = memory.search->wall;
   forget_world(memory);
@@ -280,6 +319,19 @@ Expectation expected_after(const WorldEstimate& world, const RunMemory& memory, 
   return expected;
 }
 
+RunMemory without_world(RunMemory memory) {
+  forget_world(memory);
+  return memory;
+}
+
+Expectation expected_again(const WorldEstimate& world, const RunMemory& memory) {
+  Expectation expected = expected_after(world, memory, Stop{});
+  if (memory.attempt) return expected;
+  expected.stack = world.stack;
+  expected.loose = world.loose;
+  return expected;
+}
+
 PlacementRecord judge(const Attempt& attempt, const WorldEstimate& seen, const Models& models,
                       const BuildOptions& options) {
   PlacementRecord record;
@@ -302,7 +354,7 @@ PlacementRecord judge(const Attempt& attempt, const WorldEstimate& seen, const M
     return record;
   }
   record.outcome =
-      attempt.done.status == Status::kReleased
+      attempt.done.status == Status::kReleased || attempt.done.status == Status::kUnknown
           ? (std::holds_alternative<Reorient>(attempt.action) ? Outcome::kReoriented : Outcome::kUnstacked)
       : attempt.done.status == Status::kLost ? Outcome::kDropped
                                              : Outcome::kNotPicked;
@@ -329,6 +381,8 @@ RunMemory learn(RunMemory memory, const WorldEstimate& seen, const Models& model
   if (!memory.attempt) return memory;
   const Attempt attempt = *std::move(memory.attempt);
   memory.attempt.reset();
+  if (is_broken_off(attempt) && lies_as_before(attempt, seen, options))
+    return undo(std::move(memory), attempt);
   report_moved(attempt.expected_stack, seen, options, emit);
   const PlacementRecord record = judge(attempt, seen, models, options);
   memory.records.push_back(record);

@@ -14,12 +14,19 @@ namespace stonestack::stacking {
 [[nodiscard]] Expectation expected_after(const WorldEstimate& world, const RunMemory& memory,
                                          const Action& action);
 
+/// Memory without what holds for one world only: for a run that goes on, whose world may have changed.
+[[nodiscard]] RunMemory without_world(RunMemory memory);
+/// Expected view of the world for a run that goes on: it is as it was, or `memory` has an attempt that nobody
+/// knows the end of.
+[[nodiscard]] Expectation expected_again(const WorldEstimate& world, const RunMemory& memory);
+
 /// Compares what was seen after an action with what was meant.
 [[nodiscard]] PlacementRecord judge(const Attempt& attempt, const WorldEstimate& seen, const Models& models,
                                     const BuildOptions& options);
 
 /// The memory after an observation: of which stones were seen and, unless a stone that is out of sight is
-/// looked for first (`next_view`), of how the action ended.
+/// looked for first (`next_view`), of how the action ended. An action whose end nobody knows and that changed
+/// nothing is forgotten as if it had not begun.
 [[nodiscard]] RunMemory learn(RunMemory memory, const WorldEstimate& seen, const Models& models,
                               const BuildOptions& options, const Listener& listener);
 

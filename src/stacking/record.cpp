@@ -16,6 +16,15 @@ bool Recorder::is_news(const Event& event) {
   return true;
 }
 
+void Recorder::go_on_from(const ResumePoint& before) {
+  result_.seconds = before.seconds;
+  if (!before.state) return;
+  result_.world = before.state->world;
+  result_.placements = before.state->memory.records;
+  result_.events.emplace_back(Observed{result_.world});  // so that the page shows the stones from the start
+  result_.timeline.event_time.push_back(clock_.now());
+}
+
 void Recorder::hear(const Event& event) {
   if (!is_news(event)) return;
   if (const auto* seen = std::get_if<Observed>(&event)) {
@@ -39,9 +48,10 @@ void Recorder::hear(const Event& event) {
 
 void record(Journal* journal, const Event& event, const Catalogue& catalogue) {
   if (journal == nullptr) return;
-  if (const auto* step = std::get_if<StepBegun>(&event)) journal->begin_step(step->name);
+  const auto* step = std::get_if<StepBegun>(&event);
+  if (step != nullptr) journal->begin_step(step->name);
   const auto [kind, data] = to_record(event, catalogue);
-  if (!kind.empty()) journal->record(kind, data);
+  if (!kind.empty()) journal->record(kind, data, step != nullptr ? journal->arm() : std::string());
 }
 
 }  // namespace stonestack::stacking

@@ -2,7 +2,7 @@
 #include <set>
 #include <string>
 
-#include "stacking/choose_action.hpp"
+#include "stacking/resume_point.hpp"
 #include "stonestack/stacking/build_tower.hpp"
 
 /// Private to stacking/: what is made of the events of a run.
@@ -14,6 +14,8 @@ class Recorder {
   Recorder(const Models& models, const BuildHooks& hooks, const Clock& clock)
       : models_(models), hooks_(hooks), clock_(clock) {}
 
+  /// Starts from what a run that goes on has done already.
+  void go_on_from(const ResumePoint& before);
   void hear(const Event& event);
   [[nodiscard]] RunResult& result() { return result_; }
 

@@ -73,7 +73,8 @@ Start read_start(const ReplayTask& task) {
   }
 }
 
-/// Lines of a journal without their numbers, and without a torn last one.
+/// Lines of a journal up to where the run was broken off, without a torn last one and without what differs
+/// from run to run: number, time, checksum. Earlier versions did not write where the arm was.
 std::vector<std::string> lines_of(const std::string& path) {
   std::istringstream in(read_file(path, kMaxLines));
   std::vector<std::string> lines;
@@ -82,7 +83,8 @@ std::vector<std::string> lines_of(const std::string& path) {
     if (!j.is_object())
       throw FileError(path, concat("line ", lines.size() + 1, " is no JSON object"),
                       "see what stonestack inspect says of it");
-    j.erase("seq");
+    if (j.value("kind", "") == "resumed") break;
+    for (const char* other : {"seq", "time", "arm", "crc"}) j.erase(other);
     lines.push_back(j.dump());
   }
   return lines;

@@ -1,6 +1,9 @@
 #include "stacking/state_file.hpp"
 
+#include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "geometry/pose_json.hpp"
 #include "stonestack/core/error.hpp"
@@ -13,6 +16,9 @@ using nlohmann::json;
 
 constexpr const char* kSchema = "stonestack.state/1";
 constexpr std::size_t kMaxFile = std::size_t{1} << 26;
+/// Names of ExecutionResult::Status, in its order.
+constexpr std::array<std::string_view, 6> kStatuses{"released", "not_picked", "lost",
+                                                    "stopped",  "unknown",    "taken_back"};
 
 // Poses and vectors.
 
@@ -107,6 +113,22 @@ struct Writer {
             {"course", r.course},
             {"p_W_aim", vector_json(r.p_W_aim)}};
   }
+  [[nodiscard]] json attempt(const Attempt& a) const {
+    json j{{"action", name_of(a.action)},
+           {"status", kStatuses[static_cast<std::size_t>(a.done.status)]},
+           {"reason", a.done.reason},
+           {"contact_force", a.done.contact_force},
+           {"placement", placement(a.placement)},
+           {"T_O_T", pose_json(a.T_O_T)},
+           {"p_W_aim", vector_json(a.p_W_aim)},
+           {"below", placed_list(a.below)},
+           {"course", a.course},
+           {"expected_stack", estimates(a.expected_stack)},
+           {"expected_loose", estimates(a.expected_loose)}};
+    if (a.done.friction) j["friction"] = *a.done.friction;
+    if (a.done.weight) j["weight"] = *a.done.weight;
+    return j;
+  }
   [[nodiscard]] json wall(const WallPlanned& wall) const {
     return {{"T_W_V", pose_json(wall.T_W_V)},
             {"course", by_stone(wall.course, [](int course) { return course; })}};
@@ -187,6 +209,29 @@ struct Reader {
     r.p_W_aim = vector3_of(j.at("p_W_aim"));
     return r;
   }
+  [[nodiscard]] Attempt attempt(const json& j) const {
+    Attempt a;
+    const auto action = j.at("action").get<std::string>();
+    for (const Action& one : {Action(Place{}), Action(Reorient{}), Action(Unstack{}), Action(ClearBase{}),
+                             Action(Push{})})
+      if (name_of(one) == action) a.action = one;
+    require(name_of(a.action) == action, "no stone is brought anywhere by '", action, "'");
+    const auto status = std::find(kStatuses.begin(), kStatuses.end(), j.at("status").get<std::string>());
+    require(status != kStatuses.end(), "no status is called ", j.at("status"));
+    a.done.status = static_cast<ExecutionResult::Status>(status - kStatuses.begin());
+    a.done.reason = j.at("reason").get<std::string>();
+    a.done.contact_force = j.at("contact_force").get<double>();
+    if (j.contains("friction")) a.done.friction = j.at("friction").get<double>();
+    if (j.contains("weight")) a.done.weight = j.at("weight").get<double>();
+    a.placement = placement(j.at("placement"));
+    a.T_O_T = pose_of(j.at("T_O_T"));
+    a.p_W_aim = vector3_of(j.at("p_W_aim"));
+    a.below = placed_list(j.at("below"));
+    a.course = j.at("course").get<int>();
+    a.expected_stack = estimates(j.at("expected_stack"));
+    a.expected_loose = estimates(j.at("expected_loose"));
+    return a;
+  }
   [[nodiscard]] WallPlanned wall(const json& j) const {
     return {pose_of(j.at("T_W_V")),
             by_stone(j.at("course"), [](const json& course) { return course.get<int>(); })};
@@ -212,37 +257,6 @@ struct Reader {
 };
 
 // The parts of a state.
-
-json layout_json(const CellLayout& layout) {
-  return {{"T_W_R", pose_json(layout.T_W_R)},
-          {"T_F_T", pose_json(layout.T_F_T)},
-          {"T_T_C", pose_json(layout.T_T_C)},
-          {"sensor_mass", layout.sensor_mass},
-          {"camera_mass", layout.camera_mass},
-          {"linkage", layout.linkage},
-          {"hand", layout.gripper},
-          {"site", vector_json(layout.site)},
-          {"field_centre", vector_json(layout.field_centre)},
-          {"field_size", vector_json(layout.field_size)},
-          {"obstacles",
-           list_json(layout.obstacles,
-                     [](const Obstacle& o) {
-                       return json{{"name", o.name},
-                                   {"T_W_O", pose_json(o.T_W_O)},
-                                   {"pieces", list_json(o.pieces, [](const Mesh& mesh) {
-                                      return json{{"vertices", list_json(mesh.vertices,
-                                                                         [](const Eigen::Vector3d& v) {
-                                                                           return json{v.x(), v.y(), v.z()};
-                                                                         })},
-                                                  {"faces", list_json(mesh.faces, [](const auto& t) {
-                                                     return json{t[0], t[1], t[2]};
-                                                   })}};
-                                    })}};
-                     })},
-          {"paddings", list_json(layout.paddings, [](const PairPadding& p) {
-             return json{{"a", p.a}, {"b", p.b}, {"m", p.m}};
-           })}};
-}
 
 CellLayout layout_of(const json& j) {
   CellLayout layout;
@@ -322,6 +336,7 @@ json memory_json(const RunMemory& m, const Writer& w) {
     if (m.unstacking->freed) j["unstacking"]["freed"] = w.placed(*m.unstacking->freed);
   }
   if (m.search) j["search"] = w.search(*m.search);
+  if (m.attempt) j["attempt"] = w.attempt(*m.attempt);
   return j;
 }
 
@@ -368,6 +383,7 @@ RunMemory memory_of(const json& j, const Reader& r) {
     if (u.contains("freed")) m.unstacking->freed = r.placed(u.at("freed"));
   }
   if (j.contains("search")) m.search = r.search(j.at("search"));
+  if (j.contains("attempt")) m.attempt = r.attempt(j.at("attempt"));
   return m;
 }
 
@@ -412,21 +428,77 @@ auto read_as(const std::string& path, const F& read) {
 
 }  // namespace
 
-void write_state(const std::string& path, const WorldEstimate& world, const RunMemory& memory,
-                 const Models& models, const BuildOptions& options) {
+json layout_json(const CellLayout& layout) {
+  return {{"T_W_R", pose_json(layout.T_W_R)},
+          {"T_F_T", pose_json(layout.T_F_T)},
+          {"T_T_C", pose_json(layout.T_T_C)},
+          {"sensor_mass", layout.sensor_mass},
+          {"camera_mass", layout.camera_mass},
+          {"linkage", layout.linkage},
+          {"hand", layout.gripper},
+          {"site", vector_json(layout.site)},
+          {"field_centre", vector_json(layout.field_centre)},
+          {"field_size", vector_json(layout.field_size)},
+          {"obstacles",
+           list_json(layout.obstacles,
+                     [](const Obstacle& o) {
+                       return json{{"name", o.name},
+                                   {"T_W_O", pose_json(o.T_W_O)},
+                                   {"pieces", list_json(o.pieces, [](const Mesh& mesh) {
+                                      return json{{"vertices", list_json(mesh.vertices,
+                                                                         [](const Eigen::Vector3d& v) {
+                                                                           return json{v.x(), v.y(), v.z()};
+                                                                         })},
+                                                  {"faces", list_json(mesh.faces, [](const auto& t) {
+                                                     return json{t[0], t[1], t[2]};
+                                                   })}};
+                                    })}};
+                     })},
+          {"paddings", list_json(layout.paddings, [](const PairPadding& p) {
+             return json{{"a", p.a}, {"b", p.b}, {"m", p.m}};
+           })}};
+}
+
+json state_json(const WorldEstimate& world, const RunMemory& memory, const Models& models,
+                const BuildOptions& options) {
   const Writer writer{*models.catalogue};
   constexpr const char* kSites[] = {"unseen", "free", "occupied"};
-  const json j{{"schema", kSchema},
-               {"catalogue", catalogue_name(models.catalogue->path)},
-               {"robot", models.robot->name},
-               {"options", options_json(options)},
-               {"layout", layout_json(world.layout)},
-               {"world",
-                {{"site", kSites[static_cast<int>(world.site)]},
-                 {"stack", writer.estimates(world.stack)},
-                 {"loose", writer.estimates(world.loose)}}},
-               {"memory", memory_json(memory, writer)}};
-  write_file(path, j.dump(1) + "\n");
+  return {{"schema", kSchema},
+          {"catalogue", catalogue_name(models.catalogue->path)},
+          {"robot", models.robot->name},
+          {"options", options_json(options)},
+          {"layout", layout_json(world.layout)},
+          {"world",
+           {{"site", kSites[static_cast<int>(world.site)]},
+            {"stack", writer.estimates(world.stack)},
+            {"loose", writer.estimates(world.loose)}}},
+          {"memory", memory_json(memory, writer)}};
+}
+
+void write_state(const std::string& path, const WorldEstimate& world, const RunMemory& memory,
+                 const Models& models, const BuildOptions& options) {
+  write_file(path, state_json(world, memory, models, options).dump(1) + "\n");
+}
+
+State state_of(const json& j, const Catalogue& catalogue) {
+  require(j.at("schema").get<std::string>() == kSchema, "its schema is not ", kSchema);
+  const Reader reader{catalogue};
+  State state;
+  state.catalogue = j.at("catalogue").get<std::string>();
+  state.robot = j.at("robot").get<std::string>();
+  const FieldList list = fields(state.options);
+  for (const auto& [name, value] : j.at("options").items())
+    set_field(list, concat(name, "=", value.is_string() ? value.get<std::string>() : value.dump()));
+  const json& world = j.at("world");
+  const auto site = world.at("site").get<std::string>();
+  state.world.site = site == "free"       ? SiteStatus::kFree
+                     : site == "occupied" ? SiteStatus::kOccupied
+                                          : SiteStatus::kUnseen;
+  state.world.layout = layout_of(j.at("layout"));
+  state.world.stack = reader.estimates(world.at("stack"));
+  state.world.loose = reader.estimates(world.at("loose"));
+  state.memory = memory_of(j.at("memory"), reader);
+  return state;
 }
 
 StateHeader read_state_header(const std::string& path) {
@@ -436,25 +508,7 @@ StateHeader read_state_header(const std::string& path) {
 }
 
 State read_state(const std::string& path, const Catalogue& catalogue) {
-  return read_as(path, [&](const json& j) {
-    const Reader reader{catalogue};
-    State state;
-    state.catalogue = j.at("catalogue").get<std::string>();
-    state.robot = j.at("robot").get<std::string>();
-    const FieldList list = fields(state.options);
-    for (const auto& [name, value] : j.at("options").items())
-      set_field(list, concat(name, "=", value.is_string() ? value.get<std::string>() : value.dump()));
-    const json& world = j.at("world");
-    const auto site = world.at("site").get<std::string>();
-    state.world.site = site == "free"       ? SiteStatus::kFree
-                       : site == "occupied" ? SiteStatus::kOccupied
-                                            : SiteStatus::kUnseen;
-    state.world.layout = layout_of(j.at("layout"));
-    state.world.stack = reader.estimates(world.at("stack"));
-    state.world.loose = reader.estimates(world.at("loose"));
-    state.memory = memory_of(j.at("memory"), reader);
-    return state;
-  });
+  return read_as(path, [&](const json& j) { return state_of(j, catalogue); });
 }
 
 std::string decision_json(const Decision& decision, const Catalogue& catalogue) {

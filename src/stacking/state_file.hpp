@@ -1,4 +1,5 @@
 #pragma once
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "stacking/choose_action.hpp"
@@ -15,10 +16,18 @@ struct State {
 };
 
 /// Writes "stonestack.state/1" (JSON, named keys; stones by name, options that are not the default): what
-/// `stonestack decide` reads. Not in it: views, and an attempt that is not judged yet.
+/// `stonestack decide` reads. Not in it: views.
 /// @throws FileError
 void write_state(const std::string& path, const WorldEstimate& world, const RunMemory& memory,
                  const Models& models, const BuildOptions& options);
+
+/// The content of such a file, for one that holds more.
+[[nodiscard]] nlohmann::json state_json(const WorldEstimate& world, const RunMemory& memory,
+                                        const Models& models, const BuildOptions& options);
+/// A state by its content. @throws nlohmann::json::exception and InvalidArgument
+[[nodiscard]] State state_of(const nlohmann::json& content, const Catalogue& catalogue);
+/// A layout as a state holds it.
+[[nodiscard]] nlohmann::json layout_json(const CellLayout& layout);
 
 /// Files that a state needs.
 struct StateHeader {

@@ -14,6 +14,7 @@ namespace stonestack::stacking {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 const std::string kPose =
     R"("T_W_O": {"x": 0.7, "y": 0.28, "z": 0.0381, "qx": 0, "qy": 0, "qz": 0, "qw": 1})";
@@ -50,6 +51,25 @@ TEST(InspectRun, SaysWhatHappenedAndWhereAKilledRunWas) {
   EXPECT_THAT(ended.text, HasSubstr("b: placed\nend (all_placed): all stones"));
 }
 
+TEST(InspectRun, SaysHowARunGoesOn) {
+  const std::string folder = killed_run("resumable");
+  EXPECT_THAT(inspect_run(folder).text, Not(HasSubstr("--resume"))) << "nothing was kept for it";
+  write_file(folder + "/resume.json", "{}");
+  EXPECT_THAT(inspect_run(folder).text, HasSubstr("go on with it: stonestack run --resume " + folder + "\n"));
+  EXPECT_EQ(nlohmann::json::parse(inspect_run(folder).json).at("resumable"), true);
+  Journal journal(folder + "/journal.jsonl");
+  journal.record("outcome", R"({"stone": "b", "outcome": "lost"})");
+  journal.record("end", R"({"end": "stopped", "reason": "the arm stopped"})");
+  EXPECT_THAT(inspect_run(folder).text, HasSubstr("--resume"));
+  journal.record("resumed", R"({"placements": 0, "attempt": "place"})");
+  const RunInspection again = inspect_run(folder);
+  EXPECT_THAT(again.text, HasSubstr("resumed after 0 placements, in the midst of: place\n"));
+  EXPECT_TRUE(nlohmann::json::parse(again.json).at("outcomes").empty()) << "it is judged again";
+  EXPECT_FALSE(again.whole) << "the run is under way again";
+  journal.record("end", R"({"end": "all_placed", "reason": "all placed"})");
+  EXPECT_THAT(inspect_run(folder).text, Not(HasSubstr("--resume")));
+}
+
 TEST(InspectRun, NamesLinesThatAreNotAsTheyWereWritten) {
   const std::string folder = killed_run("damaged"), path = folder + "/journal.jsonl";
   const std::string whole = read_file(path, 1 << 20);
@@ -62,6 +82,9 @@ TEST(InspectRun, NamesLinesThatAreNotAsTheyWereWritten) {
   EXPECT_THAT(damaged(whole.substr(0, whole.size() - 5)), HasSubstr("the last line was cut off"));
   const std::size_t second = whole.find('\n') + 1;
   EXPECT_THAT(damaged(whole.substr(second)), HasSubstr("line 1 has the sequence number 1"));
+  std::string forged = whole;
+  forged.replace(forged.find("10.04"), 5, "10.94");
+  EXPECT_THAT(damaged(forged), HasSubstr("line 4 is not as it was written"));
   std::string other = whole;
   other[second] = '[';
   EXPECT_THAT(damaged(other), HasSubstr("line 2 is no line of a journal"));

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
@@ -10,6 +12,22 @@
 
 namespace stonestack::stacking {
 namespace {
+
+/// Lines without time and checksum, which are checked on the way.
+std::string checked_lines(const std::string& path) {
+  std::istringstream in(read_file(path, 1 << 16));
+  std::string content;
+  for (std::string line; std::getline(in, line);) {
+    EXPECT_FALSE(is_damaged(line)) << line;
+    auto j = nlohmann::ordered_json::parse(line);
+    EXPECT_EQ(j.at("time").get<std::string>().size(), std::string("2026-11-21T14:30:00.123Z").size());
+    EXPECT_EQ(j.at("crc").get<std::string>().size(), 8U);
+    j.erase("time");
+    j.erase("crc");
+    content += j.dump() + "\n";
+  }
+  return content;
+}
 
 TEST(Journal, AppendsNumbersAndSurvivesATornTail) {
   const std::string path = test::temporary_folder() + "journal_test.jsonl";
@@ -24,13 +42,30 @@ TEST(Journal, AppendsNumbersAndSurvivesATornTail) {
     Journal journal(path);
     journal.record("intent", "3");
   }
-  EXPECT_EQ(read_file(path, 1000), R"({"seq":0,"kind":"intent","data":{"step":1}})"
-                                   "\n"
-                                   R"({"seq":1,"kind":"done","data":{}})"
-                                   "\n"
-                                   R"({"seq":2,"kind":"intent","data":3})"
-                                   "\n");
+  EXPECT_EQ(checked_lines(path), R"({"seq":0,"kind":"intent","data":{"step":1}})"
+                                 "\n"
+                                 R"({"seq":1,"kind":"done","data":{}})"
+                                 "\n"
+                                 R"({"seq":2,"kind":"intent","data":3})"
+                                 "\n");
   std::filesystem::remove(path);
+}
+
+TEST(Journal, AnyLetterThatChangesIsNoticed) {
+  const std::string path = test::temporary_folder() + "journal_crc.jsonl";
+  Journal(path).record("step", R"({"name": "lift"})", R"({"q": [0.5], "force": 3})");
+  std::string line = read_file(path, 1 << 16);
+  line.pop_back();  // its end
+  ASSERT_FALSE(is_damaged(line));
+  EXPECT_EQ(nlohmann::json::parse(line).at("arm").at("force"), 3);
+  for (std::size_t k = 0; k < line.size() - 2; ++k) {
+    const std::size_t crc = line.find(",\"crc\"");
+    if (k >= crc && k < crc + 8) continue;  // without the name of the checksum it is a line that has none
+    std::string other = line;
+    other[k] = other[k] == '0' ? '1' : '0';
+    EXPECT_TRUE(is_damaged(other)) << other;
+  }
+  EXPECT_FALSE(is_damaged(R"({"seq":0,"kind":"step","data":{"name":"lift"}})")) << "of an earlier version";
 }
 
 TEST(Journal, ReportsWhenTheDiskRefuses) {

@@ -47,20 +47,33 @@ struct RunOrder {
   std::string save_catalogue;
   bool replace_stones = false;  ///< stones of that name that are there already are replaced
   bool only_model = false;      ///< with `run.unseen`: ends when the stones are modelled
+  std::string resume;           ///< folder of a run that goes on (`read_resumable_run`); empty: a new run
 };
+/// A run that can go on: what `record_run` needs for it.
+struct ResumableRun {
+  RunOrder order;       ///< as the run was started
+  Catalogue catalogue;  ///< its stones
+};
+/// Reads from its folder how a run was started that was killed, interrupted or stopped.
+/// @throws FileError, with what to do, for a folder without such a run, a run that ended or is under way, a
+/// record that is damaged, and a cell file whose layout is not the one that the run began with.
+[[nodiscard]] ResumableRun read_resumable_run(const std::string& folder);
+
 /// A run and its record.
 struct RecordedRun {
-  RunReport report;       ///< report of the run
-  Survival survival;      ///< how the tower fares when it is tried further; empty: not tried
-  std::string unwritten;  ///< the first file of the record that could not be written, and why; empty: none
-  std::string folder;     ///< folder of the record
+  RunReport report;        ///< report of the run
+  Survival survival;       ///< how the tower fares when it is tried further; empty: not tried
+  std::string unwritten;   ///< the first file of the record that could not be written, and why; empty: none
+  std::string folder;      ///< folder of the record
+  bool resumable = false;  ///< interrupted or stopped, and `RunOrder::resume` may go on with it
 };
 /// Builds a tower and writes options, journal, result.json, report.html and picture into the folder, in this
-/// order. A run that was killed leaves a folder without a result: what is in it is put aside, so that the
-/// same command can be started again. In a real cell there is no truth to judge by, and the picture shows the
-/// stones where they were seen last. The caller has asked for the permission to move. A run that is not
-/// stopped and places a stone in a real cell is remembered with the cell file's path and checksum, in
-/// $XDG_STATE_HOME/stonestack/cells.json (~/.local/state): only the next ones are at full speed by default.
+/// order. A run that was killed leaves a folder without a result: `order.resume` goes on with it, and what is
+/// in it is put aside where a new run is to be written there. In a real cell there is no truth to judge by,
+/// and the picture shows the stones where they were seen last. The caller has asked for the permission to
+/// move. A run that is not stopped and places a stone in a real cell is remembered with the cell file's path
+/// and checksum, in $XDG_STATE_HOME/stonestack/cells.json (~/.local/state): only the next ones are at full
+/// speed by default.
 /// @throws InvalidArgument where a run that ended is in the folder, or modelled stones would replace others;
 /// FileError; DeviceError.
 [[nodiscard]] RecordedRun record_run(const RunOrder& order, const Catalogue& catalogue);

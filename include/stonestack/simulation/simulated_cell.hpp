@@ -81,9 +81,12 @@ class SimulatedCell {
  public:
   /// Drops the stones `present` (indices into `stones`) at random places in the field and lets them come to
   /// rest. The arm starts with the camera over the field.
-  /// @throws InvalidArgument when they do not fit.
+  /// @param kept folder in which another object has kept this cell (`keep_in`): it goes on from there, at
+  /// rest; empty: a new one
+  /// @throws InvalidArgument when they do not fit; FileError for a folder that holds no such cell.
   SimulatedCell(const std::vector<Stone>& stones, const std::vector<StoneIndex>& present,
-                const RobotModel& robot, const CellLayout& assumed, const SimulationOptions& options = {});
+                const RobotModel& robot, const CellLayout& assumed, const SimulationOptions& options = {},
+                const std::string& kept = {});
   ~SimulatedCell();
 
   /// The devices, as the program may use them.
@@ -99,6 +102,10 @@ class SimulatedCell {
   void place(StoneIndex stone, const Pose& T_W_O);
   /// Acknowledges a protective stop, as a person does at the pendant.
   void unlock();
+  /// Writes the true state into `folder` now and while arm and gripper move, so that another process can go
+  /// on with the cell. No planner may read it.
+  /// @throws FileError, now and from the devices
+  void keep_in(const std::string& folder);
   /// The world itself and the site where the planner expects it, for judges.
   [[nodiscard]] const TrueWorld& world() const;
   /// Site [m] in W where the planner expects the tower.
