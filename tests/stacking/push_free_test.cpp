@@ -4,10 +4,14 @@
 #include <gtest/gtest.h>
 
 #include "stacking/heard.hpp"
+#include "stacking/journal.hpp"
+#include "stacking/mortal_devices.hpp"
+#include "stacking/resume_point.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
 #include "stonestack/stacking/build_tower.hpp"
+#include "temporary_folder.hpp"
 
 /// Pushing stones that no finger gets beside.
 namespace stonestack::stacking {
@@ -127,6 +131,38 @@ TEST(PushFree, TheLoopPushesAndPlacesTheStone) {
   const Eigen::Vector3d moved = *pushed->T_W_O_measured * p_O_M - before;
   EXPECT_LT((moved - planned).norm(), 0.4 * planned.norm()) << message;
   EXPECT_EQ(result.height, 2) << message;
+}
+
+/// A program that ends while the gripper stands behind the stone, near the table.
+TEST(PushFree, ARunThatEndsInTheMidstOfAPushGoesOn) {
+  const Blocked bench;
+  ASSERT_TRUE(bench.found);
+  const std::string folder = test::temporary_folder() + "killed_push";
+  const auto perform = [&](bool goes_on, RunResult* result) {
+    SimulationOptions world_options;
+    world_options.seed = 7;
+    SimulatedCell world(bench.catalogue.stones, {bench.stone.stone}, bench.robot, bench.layout, world_options,
+                        goes_on ? folder : std::string());
+    if (!goes_on) world.place(bench.stone.stone, bench.stone.T_W_O);
+    world.keep_in(folder);
+    Journal journal(folder + "/journal.jsonl");
+    const Cell devices = world.cell();
+    test::MortalArm arm(devices.arm);
+    arm.before = [] {};
+    arm.after = [&] {
+      if (!goes_on && journal.step().rfind("push", 0) == 0) throw test::Killed();
+    };
+    Cell cell{arm, devices.gripper, devices.force_torque, devices.camera, devices.clock, devices.layout};
+    BuildOptions options;
+    options.search.horizon = 1;
+    BuildHooks hooks;
+    hooks.journal = &journal;
+    *result = build_resumable(cell, bench.catalogue, bench.robot, options, hooks, folder, goes_on);
+  };
+  RunResult result;
+  ASSERT_THROW(perform(false, &result), test::Killed);
+  perform(true, &result);
+  EXPECT_EQ(result.height, 1) << result.ended << "\n" << test::words(result.events, bench.catalogue);
 }
 
 }  // namespace

@@ -5,9 +5,9 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <stdexcept>
 
 #include "rooms.hpp"
+#include "stacking/mortal_devices.hpp"
 #include "stacking/resume_point.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
@@ -21,47 +21,10 @@ namespace {
 
 using namespace simulation;  // the cell that the loop works in here
 using nlohmann::json;
+using test::Killed;
+using test::MortalArm;
+using test::MortalGripper;
 using testing::HasSubstr;
-
-/// Stands for the end of the program: nothing expects it.
-struct Killed : std::runtime_error {
-  Killed() : std::runtime_error("killed") {}
-};
-
-/// Devices whose program ends with the command that follows, or that carries out, a step.
-struct MortalArm : Arm {
-  Arm& arm;
-  std::function<void()> before, after;
-  explicit MortalArm(Arm& a) : arm(a) {}
-  ArmState state() override { return arm.state(); }
-  MotionResult follow(const JointTrajectory& t) override {
-    before();
-    MotionResult result = arm.follow(t);
-    after();
-    return result;
-  }
-  MotionResult follow_guarded(const GuardedMotion& motion) override {
-    before();
-    MotionResult result = arm.follow_guarded(motion);
-    after();
-    return result;
-  }
-  void stop() override { arm.stop(); }
-  void set_payload(double mass, const Eigen::Vector3d& p_F) override { arm.set_payload(mass, p_F); }
-};
-struct MortalGripper : Gripper {
-  Gripper& gripper;
-  std::function<void()> before, after;
-  explicit MortalGripper(Gripper& g) : gripper(g) {}
-  GripperState state() override { return gripper.state(); }
-  GripperState move(double opening, double speed, double force) override {
-    before();
-    GripperState result = gripper.move(opening, speed, force);
-    after();
-    return result;
-  }
-  void spread(double spacing) override { gripper.spread(spacing); }
-};
 
 /// Two stones, and a folder in which the run and its cell are kept.
 struct KilledRun {
