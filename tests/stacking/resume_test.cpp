@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "rooms.hpp"
+#include "stacking/learn.hpp"
 #include "stacking/resume_point.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
@@ -165,7 +166,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Death{"carried", "carry", false}, Death{"on_the_tower", "set", false, 2},
                     Death{"let_go", "let go", false, 2}, Death{"opened", "open the gripper", false, 3},
                     Death{"retreated", "retreat", false}),
-    [](const auto& info) { return std::string(info.param.name); });
+    [](const auto& one) { return std::string(one.param.name); });
 
 TEST(Resume, AProgramThatEndsWhileItTakesAStoneBackGoesOn) {
   KilledRun run("twice");
