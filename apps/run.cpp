@@ -61,11 +61,13 @@ void set_mode(RunCommand& command) {
 
 /// The order of the run that goes on.
 Catalogue take_up(RunCommand& command) {
-  static const std::set<std::string> kAllowed{"--resume", "--execute",   "--slow", "--step",  "--full-speed",
-                                              "--view",   "--view-port", "--json", "--quiet", "--verbose"};
-  for (const CLI::Option* option : command.app->get_options())
-    require(option->count() == 0 || kAllowed.contains(option->get_name(false, true)), option->get_name(),
+  static const std::set<std::string> kAllowed{"resume", "execute",   "slow", "step",  "full-speed",
+                                              "view",   "view-port", "json", "quiet", "verbose"};
+  for (const CLI::Option* option : command.app->get_options()) {
+    const std::string name = option->get_lnames().empty() ? option->get_name() : option->get_lnames().front();
+    require(option->count() == 0 || kAllowed.contains(name), "--", name,
             " cannot be changed in a run that goes on; leave it out");
+  }
   ResumableRun run = read_resumable_run(command.resume);
   run.order.view = command.order.view;
   command.order = std::move(run.order);

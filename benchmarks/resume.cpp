@@ -6,11 +6,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 #include <sstream>
 #include <thread>
@@ -29,11 +32,13 @@ using nlohmann::json;
 using Steady = std::chrono::steady_clock;
 
 constexpr std::size_t kMaxRecord = std::size_t{1} << 28;
-constexpr auto kPoll = std::chrono::milliseconds(5);
+constexpr auto kPoll = std::chrono::milliseconds(10);
 
 struct ResumeBench {
   int kills = 200, per_run = 4, kills_per_run = 4, seed = 1;
-  double max_seconds = 40.0;  ///< until a kill
+  int max_lines = 40;      ///< of the journal, from a start to a kill
+  double max_delay = 1.5;  ///< from the last of them to the kill [s]
+  std::vector<std::string> options;
   std::string out;
 };
 
@@ -58,13 +63,28 @@ pid_t start(const std::vector<std::string>& arguments, const std::string& log) {
   ::_exit(127);
 }
 
-/// Waits until the process ends; its exit code, or empty after `seconds`, when it is killed.
-std::optional<int> wait_or_kill(pid_t child, double seconds) {
-  const auto end = Steady::now() + std::chrono::duration<double>(seconds);
+long lines_of_journal(const std::string& folder) {
+  const std::string path = folder + "/journal.jsonl";
+  if (!fs::exists(path)) return 0;
+  const std::string content = read_file(path, kMaxRecord);
+  return std::count(content.begin(), content.end(), '\n');
+}
+
+/// When a process is killed: some time after the journal has so many lines.
+struct Death {
+  long lines = std::numeric_limits<long>::max();
+  double delay = 0.0;  ///< [s]
+};
+
+/// Waits until the process ends; its exit code, or empty when it was killed.
+std::optional<int> wait_or_kill(pid_t child, const std::string& folder, const Death& death) {
+  const auto delay = std::chrono::duration_cast<Steady::duration>(std::chrono::duration<double>(death.delay));
+  std::optional<Steady::time_point> end;
   int status = 0;
   while (::waitpid(child, &status, WNOHANG) == 0) {
     const bool broken_off = interrupt_noted();
-    if (Steady::now() >= end || broken_off) {
+    if (!end && lines_of_journal(folder) >= death.lines) end = Steady::now() + delay;
+    if ((end && Steady::now() >= *end) || broken_off) {
       ::kill(child, SIGKILL);
       ::waitpid(child, &status, 0);
       if (broken_off) throw Interrupted();
@@ -157,11 +177,23 @@ RunVerdict judge_record(const std::string& folder, int stones) {
   return verdict;
 }
 
+/// What the command is started with.
+std::vector<std::string> arguments_of(const ResumeBench& bench, int seed, const std::string& folder,
+                                      bool begun) {
+  if (begun) return {"run", "--resume", folder};
+  std::vector<std::string> arguments{"run", "--robot", "ur10", "--out", folder};
+  for (const auto& [name, value] : {std::pair("--per-run", bench.per_run), {"--seed", seed}})
+    arguments.insert(arguments.end(), {name, std::to_string(value)});
+  for (const std::string& option : bench.options) arguments.insert(arguments.end(), {"--set", option});
+  return arguments;
+}
+
 void measure_resume(const ResumeBench& bench, Results& results) {
   results.settings({{"kills", bench.kills},
                     {"kills_per_run", bench.kills_per_run},
                     {"stones_per_run", bench.per_run},
-                    {"max_seconds_to_kill", bench.max_seconds, 0},
+                    {"max_lines_to_kill", bench.max_lines},
+                    {"max_delay_s", bench.max_delay, 1},
                     {"seed", bench.seed}});
   results.table("runs", {{"run"},
                          {"seed"},
@@ -188,20 +220,14 @@ void measure_resume(const ResumeBench& bench, Results& results) {
     bool begun = false;
     int killed = 0, refusals = 0;
     for (;;) {
-      const std::vector<std::string> arguments = begun
-                                                     ? std::vector<std::string>{"run", "--resume", folder}
-                                                     : std::vector<std::string>{"run",
-                                                                                "--robot",
-                                                                                "ur10",
-                                                                                "--per-run",
-                                                                                std::to_string(bench.per_run),
-                                                                                "--seed",
-                                                                                std::to_string(seed),
-                                                                                "--out",
-                                                                                folder};
-      const pid_t child = start(arguments, log);
-      const bool last = killed >= bench.kills_per_run || kills >= bench.kills;
-      if (const auto code = wait_or_kill(child, last ? 3600.0 : random.uniform(0.0, bench.max_seconds))) {
+      const pid_t child = start(arguments_of(bench, seed, folder, begun), log);
+      Death death;
+      if (killed < bench.kills_per_run && kills < bench.kills) {
+        death.lines = lines_of_journal(folder) +
+                      static_cast<long>(random.index(static_cast<std::size_t>(bench.max_lines) + 1));
+        death.delay = random.uniform(0.0, bench.max_delay);
+      }
+      if (const auto code = wait_or_kill(child, folder, death)) {
         if (begun && (*code == 2 || *code == 3)) ++refusals;
         break;
       }
@@ -245,9 +271,13 @@ void add_resume(CLI::App& app) {
   sub->add_option("--per-run", command->per_run, "Stones of a run")
       ->check(CLI::Range(1, 6))
       ->capture_default_str();
-  sub->add_option("--max-seconds", command->max_seconds, "Longest time from a start to a kill [s]")
-      ->check(CLI::Range(0.1, 3600.0))
+  sub->add_option("--max-lines", command->max_lines, "Most lines of the journal from a start to a kill")
+      ->check(CLI::Range(0, 100000))
       ->capture_default_str();
+  sub->add_option("--max-delay", command->max_delay, "Longest time from the last of them to the kill [s]")
+      ->check(CLI::Range(0.0, 3600.0))
+      ->capture_default_str();
+  sub->add_option("--set", command->options, "Set an option of the runs")->type_name("NAME=VALUE");
   sub->add_option("--seed", command->seed, "Seed; run k has 1000 SEED + k")->capture_default_str();
   sub->add_option("--out", command->out, "Keep the records of the runs here")->type_name("DIR");
   sub->footer("Example:\n  stonestack-bench resume --kills 20 --seed 1");

@@ -98,9 +98,9 @@ RecordFolder take_resumed_folder(const std::string& folder) {
   if (!fs::is_directory(folder)) throw FileError(folder, "is no folder", "give the folder of a run");
   try {
     return RecordFolder(folder);
-  } catch (const FileError& error) {
-    throw FileError(folder, concat("cannot be taken: ", error.what()),
-                    "wait until the run in it has ended, or end it");
+  } catch (const FileError&) {
+    throw FileError(folder, "is in use, or takes no files",
+                    "wait until the run in it has ended, or end it; check the folder's rights");
   }
 }
 

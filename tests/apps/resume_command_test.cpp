@@ -85,8 +85,9 @@ TEST_F(ResumeCommand, ThePlannersFilesHoldNoTruth) {
     const std::string text = read_file(folder_ + "/run/" + file, 1 << 26);
     for (const json& stone : truth.at("world").at("stones"))
       for (const json& number : stone.at("T_W_O_rest"))
-        if (std::abs(number.get<double>()) > 1e-6 && std::abs(number.get<double>()) < 1.0)
+        if (std::abs(number.get<double>()) > 1e-6 && std::abs(number.get<double>()) < 1.0) {
           EXPECT_THAT(text, Not(HasSubstr(number.dump()))) << file;
+        }
   }
 }
 

@@ -138,7 +138,8 @@ TEST(FingerLinkage, ThePlannersBoxesEncloseTheTrueKnuckles) {
 /// A pebble on the table below the open gripper.
 struct PinchBench {
   TrueWorld world;
-  SimulatedGripper gripper{world};
+  CellKeeper nowhere;
+  SimulatedGripper gripper{world, nowhere};
 
   PinchBench(double mass, const std::string& linkage)
       : world({make_pebble("pebble", mass)}, {0_stone}, make_robotiq_3f(), with(linkage)) {

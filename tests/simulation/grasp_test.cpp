@@ -13,12 +13,13 @@ constexpr double kHalfTurn = 1.5707963267948966;  // 90 deg
 struct Bench {
   SimulationOptions options;
   TrueWorld world;
+  CellKeeper nowhere;
   SimulatedGripper gripper;
 
   explicit Bench(double mass, const SimulationOptions& simulation = {})
       : options(simulation),
         world({make_pebble("pebble", mass)}, {0_stone}, make_robotiq_3f(), options),
-        gripper(world) {
+        gripper(world, nowhere) {
     Pose T_W_O = Pose::Identity();
     double lowest = 0;
     for (const auto& p : world.shapes()[0]->scan.vertices) lowest = std::min(lowest, p.z());
@@ -185,7 +186,8 @@ TEST(Grasp, TwoFingersHoldThroughLiftAndTurn) {
     options.linkage = linkage;
     const GripperModel model = read_gripper("robotiq-2f-140");
     TrueWorld world({make_pebble("pebble", 0.8)}, {0_stone}, model, options);
-    SimulatedGripper gripper(world);
+    CellKeeper nowhere;
+    SimulatedGripper gripper(world, nowhere);
     Pose T_W_O = Pose::Identity();
     double lowest = 0;
     for (const auto& p : world.shapes()[0]->scan.vertices) lowest = std::min(lowest, p.z());

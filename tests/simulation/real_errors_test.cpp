@@ -219,7 +219,8 @@ double gripped_opening(int seed, double spread) {
   world.set_gripper_pose(gripper_pose);
   world.place(0_stone, make_pose(Eigen::Vector3d(0, 0, 0.0002 - lowest)));
   (void)world.wait(1.0);
-  SimulatedGripper gripper(world);
+  CellKeeper nowhere;
+  SimulatedGripper gripper(world, nowhere);
   return gripper.move(0.0, 0.05, 60.0).opening;
 }
 

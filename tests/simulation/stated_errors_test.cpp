@@ -57,7 +57,8 @@ TEST(StatedErrors, TheArmComesBackToATenthOfAMillimetre) {
   const Joints away = over(layout, {layout.site.x(), layout.site.y(), 0.3});
   const TrueMounting mounting = draw_mounting(layout, options, ur10(), home);
   SimulatedForceTorque force_torque(world, mounting, options);
-  SimulatedArm arm(world, ur10(), mounting, force_torque, options, home, layout.T_W_R);
+  CellKeeper nowhere;
+  SimulatedArm arm(world, ur10(), mounting, force_torque, nowhere, options, home, layout.T_W_R);
   constexpr int kVisits = 150;
   double squares = 0.0;
   for (int k = 0; k < kVisits; ++k) {

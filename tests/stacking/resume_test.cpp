@@ -7,6 +7,7 @@
 #include <set>
 
 #include "rooms.hpp"
+#include "stacking/learn.hpp"
 #include "stacking/mortal_devices.hpp"
 #include "stacking/resume_point.hpp"
 #include "stonestack/core/error.hpp"
@@ -128,7 +129,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Death{"carried", "carry", false}, Death{"on_the_tower", "set", false, 2},
                     Death{"let_go", "let go", false, 2}, Death{"opened", "open the gripper", false, 3},
                     Death{"retreated", "retreat", false}),
-    [](const auto& info) { return std::string(info.param.name); });
+    [](const auto& one) { return std::string(one.param.name); });
 
 TEST(Resume, AProgramThatEndsWhileItTakesAStoneBackGoesOn) {
   KilledRun run("twice");
