@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "physics/shape.hpp"
 #include "settings.hpp"
 #include "stone_draws.hpp"
 #include "stonestack/core/clock.hpp"
@@ -126,7 +127,8 @@ void measure_growth(const WallGrowthOptions& options, Results& results) {
                     {"friction", options.search.friction},
                     {"seed", options.seed}});
   results.table("next stone of a wall", {{"stones"}, {"standing"}, {"cpu_s", 2}, {"ms_a_standing_stone", 1}});
-  for (const StonePool& pool : read_pools(options.pools)) {
+  for (StonePool pool : read_pool_stones(options.pools)) {
+    pool.shapes = make_contact_shapes(pool.stones);
     GrowingWall wall(options, pool);
     std::vector<NextStone> stones;
     while (stones.empty() || stones.back().standing < options.standing.back()) {

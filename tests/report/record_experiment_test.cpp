@@ -7,6 +7,7 @@
 
 #include "core/memory.hpp"
 #include "resident_memory.hpp"
+#include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/experiment/option_sources.hpp"
 #include "stonestack/report/record_run.hpp"
