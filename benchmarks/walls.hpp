@@ -4,6 +4,5 @@
 namespace stonestack::bench {
 
 void add_walls(CLI::App& app);
-void add_wall_growth(CLI::App& app);
 
 }  // namespace stonestack::bench
