@@ -121,7 +121,7 @@ struct KilledRun {
   }
   /// The run is whole: nothing lost, nothing doubled.
   void expect_tower(const RunResult& result) const {
-    EXPECT_EQ(result.end, RunEnd::kHeightReached) << result.ended;
+    EXPECT_EQ(result.end, RunEnd::kAllPlaced) << result.ended;
     EXPECT_EQ(result.height, 2);
     std::set<std::string> placed;
     for (const PlacementRecord& record : result.placements) {
