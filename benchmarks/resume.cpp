@@ -177,7 +177,7 @@ RunVerdict judge_record(const std::string& folder, int stones) {
   return verdict;
 }
 
-/// What the command is started with.
+/// Arguments of the command that begins the run, or goes on with it.
 std::vector<std::string> arguments_of(const ResumeBench& bench, int seed, const std::string& folder,
                                       bool begun) {
   if (begun) return {"run", "--resume", folder};

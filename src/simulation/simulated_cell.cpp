@@ -174,7 +174,7 @@ void SimulatedCell::keep_in(const std::string& folder) {
   std::error_code ignored;
   std::filesystem::create_directories(std::filesystem::path(path).parent_path(), ignored);
   parts_->keeper.keep = [parts = parts_.get(), path] { replace_kept(path, parts->kept()); };
-  parts_->keeper.keep();
+  parts_->keeper.changed(parts_->world.time());
 }
 
 void SimulatedCell::unlock() {
