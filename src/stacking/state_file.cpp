@@ -212,8 +212,8 @@ struct Reader {
   [[nodiscard]] Attempt attempt(const json& j) const {
     Attempt a;
     const auto action = j.at("action").get<std::string>();
-    for (const Action& one : {Action(Place{}), Action(Reorient{}), Action(Unstack{}), Action(ClearBase{}),
-                             Action(Push{})})
+    for (const Action& one :
+         {Action(Place{}), Action(Reorient{}), Action(Unstack{}), Action(ClearBase{}), Action(Push{})})
       if (name_of(one) == action) a.action = one;
     require(name_of(a.action) == action, "no stone is brought anywhere by '", action, "'");
     const auto status = std::find(kStatuses.begin(), kStatuses.end(), j.at("status").get<std::string>());
