@@ -54,13 +54,10 @@ RunOrder at_slow_speed(RunOrder order) {
   return order;
 }
 
-RecordedRun record_at_speed(const RunOrder& order, const Catalogue& catalogue, const RecordFolder& folder) {
+RecordedRun perform_at_speed(const RunOrder& order, const Catalogue& catalogue, const RecordFolder& folder,
+                             const RunMode& mode) {
   const CellFile* const file = order.cell ? &*order.cell : nullptr;
   if (file != nullptr) (void)with_option_gripper(to_layout(file->cell()), order.run.build.gripper, true);
-  const bool resumes = !order.resume.empty();
-  const RunMode mode{order.dry,        order.before_motion, order.save_catalogue,
-                     order.only_model, can_resume(order),   resumes};
-  if (mode.keeps && !resumes) write_order(folder.path(), order, catalogue);
   if (is_real(order))
     return perform_real(order.run, catalogue, *file, folder, order.version, order.view, mode);
   const RobotModel robot = file == nullptr ? order.robot : read_cell_robot(file->cell());
@@ -69,6 +66,22 @@ RecordedRun record_at_speed(const RunOrder& order, const Catalogue& catalogue, c
   const auto present = draw_stones(catalogue, order.per_run, order.run.seed, gripper_of(layout), robot);
   return perform(order.run, catalogue, robot, present, folder, order.version, nullptr, file, order.view,
                  mode);
+}
+
+/// A run that fails before it begins leaves nothing behind that could go on.
+RecordedRun record_at_speed(const RunOrder& order, const Catalogue& catalogue, const RecordFolder& folder) {
+  const bool resumes = !order.resume.empty();
+  const RunMode mode{order.dry,        order.before_motion, order.save_catalogue,
+                     order.only_model, can_resume(order),   resumes};
+  if (mode.keeps && !resumes) write_order(folder.path(), order, catalogue);
+  try {
+    return perform_at_speed(order, catalogue, folder, mode);
+  } catch (...) {
+    std::error_code ignored;
+    if (!std::filesystem::exists(folder.path() + stacking::kResumeFile))
+      std::filesystem::remove(folder.path() + kOrderFile, ignored);
+    throw;
+  }
 }
 
 /// Refuses what can be refused before anything moves.

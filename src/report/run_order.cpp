@@ -15,7 +15,6 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr const char* kOrderFile = "/order.json";
 constexpr const char* kOrderSchema = "stonestack.order/1";
 constexpr std::size_t kMaxOrder = std::size_t{1} << 24;
 constexpr const char* kAnew = "start a new run; see with `stonestack inspect` what this one has done";

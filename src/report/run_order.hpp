@@ -7,6 +7,9 @@
 /// Private to report/: how a run was started, kept in its folder.
 namespace stonestack::report {
 
+/// File, within the folder of a run, of how it was started.
+inline constexpr const char* kOrderFile = "/order.json";
+
 /// Devices that another process finds again: those of a real cell, or a simulated cell of this process, which
 /// is kept in the folder. Simulated devices on sockets end with their process.
 [[nodiscard]] bool can_resume(const RunOrder& order);

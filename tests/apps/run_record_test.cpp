@@ -64,10 +64,10 @@ TEST_F(RunRecord, ARunThatWasKilledIsStartedAgainByTheSameCommand) {
   expect_refusal(kSmallRun + "--out run", 2, {"holds a run already"});
 }
 
-/// Files that may not grow beyond 100 blocks of 512 bytes stand for a disk that is full when picture and
-/// report come.
+/// Files that may not grow beyond 400 blocks of 512 bytes, which is more than a run needs and less than its
+/// picture, stand for a disk that is full when picture and report come.
 TEST_F(RunRecord, AFullDiskCostsPictureAndReportAndNothingElse) {
-  const Outcome full = shell(concat("cd ", folder_, " && ulimit -f 100 && ", STONESTACK_BINARY, " ",
+  const Outcome full = shell(concat("cd ", folder_, " && ulimit -f 400 && ", STONESTACK_BINARY, " ",
                                     kSmallRun, "--json --out run 2>err"));
   EXPECT_EQ(full.code, 3) << full.err;
   EXPECT_THAT(full.err, HasSubstr("run/tower.png: cannot be written: File too large"));

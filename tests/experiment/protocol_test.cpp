@@ -34,7 +34,7 @@ class SavedDecision {
   explicit SavedDecision(const std::string& name)
       : state_(read_state(concat(STONESTACK_SOURCE_DIR, "/tests/data/states/", name, ".json"), catalogue_)) {}
 
-  [[nodiscard]] Decision choose(const std::string& protocol) {
+  [[nodiscard]] Decision choose(const std::string& protocol, int pushed = 0) {
     SimulatedRun run;
     run.build = state_.options;
     apply_protocol(run, protocol);
@@ -43,6 +43,7 @@ class SavedDecision {
     RunMemory memory = state_.memory;
     memory.search.reset();  // that of the run which saved the state, by the full protocol
     memory.plan.reset();
+    memory.pushed = pushed;
     return choose_action(world, memory, models_, run.build);
   }
 
@@ -53,10 +54,14 @@ class SavedDecision {
   State state_;
 };
 
-TEST(Protocol, ThePapersUnstacksNothing) {
+TEST(Protocol, ThePapersPushesAndUnstacksNothing) {
   SavedDecision decision("unstack");
-  EXPECT_TRUE(std::holds_alternative<Unstack>(decision.choose("full").action));
-  EXPECT_FALSE(std::holds_alternative<Unstack>(decision.choose("paper").action));
+  EXPECT_TRUE(std::holds_alternative<Push>(decision.choose("full").action));
+  EXPECT_TRUE(
+      std::holds_alternative<Unstack>(decision.choose("full", SimulatedRun{}.build.max_reoriented).action));
+  const Action paper = decision.choose("paper").action;
+  EXPECT_FALSE(std::holds_alternative<Push>(paper));
+  EXPECT_FALSE(std::holds_alternative<Unstack>(paper));
 }
 
 TEST(Protocol, ThePapersReorientsNothing) {

@@ -81,8 +81,15 @@ TEST(ChooseAction, ClearsTheBaseFirst) {
   EXPECT_FALSE(std::holds_alternative<ClearBase>(decide(often).action)) << "not for ever";
 }
 
-TEST(ChooseAction, UnstacksWhereNoMotionClearsTheBase) {
-  const State state = read("unstack");
+TEST(ChooseAction, PushesThenUnstacksWhereNoMotionClearsTheBase) {
+  State state = read("unstack");
+  const Decision first = decide(state);
+  const auto* push = std::get_if<Push>(&first.action);
+  ASSERT_NE(push, nullptr) << name_of(first.action);
+  EXPECT_EQ(push->stone.stone, 1_stone);
+  EXPECT_FALSE(push->p_W_shifts.empty());
+
+  state.memory.not_pushed.insert(1_stone);
   const Decision decision = decide(state);
   const auto* unstack = std::get_if<Unstack>(&decision.action);
   ASSERT_NE(unstack, nullptr) << name_of(decision.action);

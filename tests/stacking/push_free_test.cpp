@@ -34,20 +34,24 @@ struct Blocked {
       for (const RestPose& rest : rest_poses(catalogue[index]))
         for (int k = 0; k < 16 && !found; ++k) found = try_box(index, rest, k * M_PI / 8);
   }
-  [[nodiscard]] Reach reach(const CellLayout& with, const PlacedStone& lying) const {
-    const Arrangement arrangement{{}, {lying}};
+  [[nodiscard]] Reach reach(const CellLayout& with, const PlacedStone& there) const {
+    const Arrangement arrangement{{}, {there}};
     return {arrangement, make_planning_scene(with, robot, catalogue, arrangement), catalogue, motion_};
   }
-  [[nodiscard]] bool held_at(const PlacedStone& lying) const {
-    return !reach(layout, lying).at_pick(lying.stone).usable.empty();
+  [[nodiscard]] PlacedStone lying(StoneIndex index, const RestPose& rest, const Eigen::Vector2d& p_W) const {
+    PlacedStone placed{index, make_pose(Eigen::Vector3d::Zero(), rest.R_W_O)};
+    double low = 1.0;
+    for (const auto& p : catalogue[index].scan.vertices) low = std::min(low, (placed.T_W_O * p).z());
+    placed.T_W_O.translation() << p_W, -low;
+    return placed;
+  }
+  [[nodiscard]] bool held_at(const PlacedStone& there) const {
+    return !reach(layout, there).at_pick(there.stone).usable.empty();
   }
 
  private:
   bool try_box(StoneIndex index, const RestPose& rest, double azimuth) {
-    stone = {index, make_pose(Eigen::Vector3d::Zero(), rest.R_W_O)};
-    double low = 1.0;
-    for (const auto& p : catalogue[index].scan.vertices) low = std::min(low, (stone.T_W_O * p).z());
-    stone.T_W_O.translation() << CellLayout().field_centre, -low;
+    stone = lying(index, rest, CellLayout().field_centre);
     const Eigen::Vector3d towards(std::cos(azimuth), std::sin(azimuth), 0.0);
     double far = -1.0;
     for (const auto& p : catalogue[index].scan.vertices)
@@ -114,6 +118,8 @@ TEST(PushFree, TheLoopPushesAndPlacesTheStone) {
   const StoneIndex other = bench.stone.stone == 1_stone ? 2_stone : 1_stone;
   SimulatedCell world(bench.catalogue.stones, {bench.stone.stone, other}, bench.robot, bench.layout,
                       world_options);
+  const Eigen::Vector2d away = bench.layout.field_centre + Eigen::Vector2d(-0.15, 0.15);
+  world.place(other, bench.lying(other, rest_poses(bench.catalogue[other]).front(), away).T_W_O);
   world.place(bench.stone.stone, bench.stone.T_W_O);
   BuildOptions options;
   options.search.horizon = 1;
