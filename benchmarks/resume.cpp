@@ -228,6 +228,9 @@ void measure_resume(const ResumeBench& bench, Results& results) {
         death.delay = random.uniform(0.0, bench.max_delay);
       }
       if (const auto code = wait_or_kill(child, folder, death)) {
+        if (!begun && !fs::exists(folder + "/result.json"))
+          throw FileError(log, concat("the run ended with code ", *code, " before anything was built"),
+                          "read why; check --set");
         if (begun && (*code == 2 || *code == 3)) ++refusals;
         break;
       }

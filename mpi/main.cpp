@@ -48,9 +48,8 @@ void set_up(CLI::App& app, const Ranks& ranks, bool& took_part) {
       ->capture_default_str();
   *quiet = sub.get_option("--quiet");
   sub.footer(
-      "The record is the one that `stonestack experiment` makes with the same arguments. All processes see "
-      "the "
-      "folder --out.\n"
+      "The record is the one that `stonestack experiment` makes with the same arguments.\n"
+      "All processes see the folder --out.\n"
       "Examples:\n"
       "  mpirun -n 8 stonestack-mpi experiment --runs 200 --seed 5 --out whole\n"
       "  mpirun -n 8 stonestack-mpi experiment --runs 200 --seed 5 --out whole --continue\n"

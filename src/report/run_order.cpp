@@ -19,19 +19,9 @@ constexpr const char* kOrderSchema = "stonestack.order/1";
 constexpr std::size_t kMaxOrder = std::size_t{1} << 24;
 constexpr const char* kAnew = "start a new run; see with `stonestack inspect` what this one has done";
 
-/// Values that are not the default, exactly.
-json changed_options(const SimulatedRun& run) {
-  SimulatedRun copy = run, usual;
-  const FieldList list = fields(copy), defaults = fields(usual);
-  json changed = json::object();
-  for (std::size_t k = 0; k < list.size(); ++k)
-    std::visit(
-        [&](const auto* value) {
-          using Value = std::remove_const_t<std::remove_pointer_t<decltype(value)>>;
-          if (*value != *std::get<Value*>(defaults[k].value)) changed[list[k].name] = *value;
-        },
-        list[k].value);
-  return changed;
+json changed_options(SimulatedRun run) {
+  SimulatedRun usual;
+  return stacking::changed_fields_json(fields(run), fields(usual));
 }
 
 std::string absolute_path(const std::string& path) {

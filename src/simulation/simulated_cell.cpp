@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include "hardware/ready_joints.hpp"
 
+#include "hardware/ready_joints.hpp"
 #include "motion/collision/mounted_gripper.hpp"
 #include "simulation/foreign_object.hpp"
 #include "simulation/scatter.hpp"

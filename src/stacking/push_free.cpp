@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "core/constants.hpp"
-#include "geometry/polygon.hpp"
+#include "geometry/footprint.hpp"
 
 namespace stonestack::stacking {
 namespace {
@@ -25,14 +25,6 @@ constexpr double kLowest = 0.005;         // m: what is lower does not stand bes
 constexpr double kOverhead = 0.25;        // m: nor does what begins higher
 constexpr std::size_t kTriedPushes = 16, kOfferedPushes = 6;
 
-/// Convex outline seen from above.
-Polygon2 outline(const std::vector<Mesh>& pieces, const Pose& T_W_O) {
-  std::vector<Eigen::Vector2d> points;
-  for (const Mesh& piece : pieces)
-    for (const Eigen::Vector3d& p_O : piece.vertices) points.push_back((T_W_O * p_O).head<2>());
-  return geometry::convex_hull(std::move(points));
-}
-
 Polygon2 shifted(Polygon2 polygon, const Eigen::Vector2d& by) {
   for (Eigen::Vector2d& p : polygon) p += by;
   return polygon;
@@ -51,7 +43,8 @@ std::vector<Polygon2> outlines_beside(const Situation& s, StoneIndex stone) {
   std::vector<Polygon2> others;
   for (const auto* list : {&s.arrangement.stack, &s.arrangement.loose})
     for (const PlacedStone& other : *list)
-      if (other.stone != stone) others.push_back(outline(s.models.stone(other.stone).pieces, other.T_W_O));
+      if (other.stone != stone)
+        others.push_back(geometry::footprint(s.models.stone(other.stone).pieces, other.T_W_O));
   for (const Obstacle& obstacle : s.world.layout.obstacles) {
     double low = kOverhead, high = 0.0;
     for (const Mesh& piece : obstacle.pieces)
@@ -59,7 +52,8 @@ std::vector<Polygon2> outlines_beside(const Situation& s, StoneIndex stone) {
         low = std::min(low, (obstacle.T_W_O * p).z());
         high = std::max(high, (obstacle.T_W_O * p).z());
       }
-    if (low < kOverhead && high > kLowest) others.push_back(outline(obstacle.pieces, obstacle.T_W_O));
+    if (low < kOverhead && high > kLowest)
+      others.push_back(geometry::footprint(obstacle.pieces, obstacle.T_W_O));
   }
   return others;
 }
@@ -105,7 +99,7 @@ bool has_room_behind(const Polygon2& print, const std::vector<Polygon2>& others,
 /// Free shifts, the one with most room at its end first, of equal ones the shortest.
 std::vector<FreeShift> free_shifts(const Situation& s, const PlacedStone& stone) {
   const CellLayout& layout = s.world.layout;
-  const Polygon2 print = outline(s.models.stone(stone.stone).pieces, stone.T_W_O);
+  const Polygon2 print = geometry::footprint(s.models.stone(stone.stone).pieces, stone.T_W_O);
   const std::vector<Polygon2> others = outlines_beside(s, stone.stone);
   const Eigen::Vector2d p_W_M = com_of(s.models.shapes, stone).head<2>();
   const auto off_middle = [&](const Eigen::Vector2d& p_W) {

@@ -387,21 +387,6 @@ RunMemory memory_of(const json& j, const Reader& r) {
   return m;
 }
 
-/// Options whose value is not the default.
-json options_json(const BuildOptions& options) {
-  BuildOptions copy = options, defaults;
-  const FieldList list = fields(copy), usual = fields(defaults);
-  json j = json::object();
-  for (std::size_t k = 0; k < list.size(); ++k)
-    std::visit(
-        [&](const auto* value) {
-          using T = std::remove_const_t<std::remove_pointer_t<decltype(value)>>;
-          if (*value != *std::get<T*>(usual[k].value)) j[list[k].name] = *value;
-        },
-        list[k].value);
-  return j;
-}
-
 /// The path; empty for the stones that come with stonestack, wherever they are.
 std::string catalogue_name(const std::string& path) {
   try {
@@ -427,6 +412,18 @@ auto read_as(const std::string& path, const F& read) {
 }
 
 }  // namespace
+
+json changed_fields_json(const FieldList& list, const FieldList& usual) {
+  json changed = json::object();
+  for (std::size_t k = 0; k < list.size(); ++k)
+    std::visit(
+        [&](const auto* value) {
+          using Value = std::remove_const_t<std::remove_pointer_t<decltype(value)>>;
+          if (*value != *std::get<Value*>(usual[k].value)) changed[list[k].name] = *value;
+        },
+        list[k].value);
+  return changed;
+}
 
 json layout_json(const CellLayout& layout) {
   return {{"T_W_R", pose_json(layout.T_W_R)},
@@ -463,10 +460,11 @@ json state_json(const WorldEstimate& world, const RunMemory& memory, const Model
                 const BuildOptions& options) {
   const Writer writer{*models.catalogue};
   constexpr const char* kSites[] = {"unseen", "free", "occupied"};
+  BuildOptions copy = options, usual;
   return {{"schema", kSchema},
           {"catalogue", catalogue_name(models.catalogue->path)},
           {"robot", models.robot->name},
-          {"options", options_json(options)},
+          {"options", changed_fields_json(fields(copy), fields(usual))},
           {"layout", layout_json(world.layout)},
           {"world",
            {{"site", kSites[static_cast<int>(world.site)]},

@@ -26,6 +26,8 @@ void write_state(const std::string& path, const WorldEstimate& world, const RunM
                                         const Models& models, const BuildOptions& options);
 /// A state by its content. @throws nlohmann::json::exception and InvalidArgument
 [[nodiscard]] State state_of(const nlohmann::json& content, const Catalogue& catalogue);
+/// Values of `list` that differ from those of `usual`, exactly; both list the same fields.
+[[nodiscard]] nlohmann::json changed_fields_json(const FieldList& list, const FieldList& usual);
 /// A layout as a state holds it.
 [[nodiscard]] nlohmann::json layout_json(const CellLayout& layout);
 

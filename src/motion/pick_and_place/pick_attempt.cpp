@@ -25,14 +25,6 @@ constexpr std::array kSlants{M_PI / 4, 5 * M_PI / 12};  ///< of them from the ve
 constexpr double kRub = 0.005;  ///< of a way aslant on which the stone may touch what is beside it [m]
 constexpr std::array kShorterRetreats{0.75, 0.5};  ///< of MotionOptions::approach, the same
 
-CollisionRules rules(double padding, double opening, int left_out) {
-  CollisionRules r;
-  r.padding = padding;
-  r.opening = opening;
-  r.left_out = left_out;
-  return r;
-}
-
 Pose raised(const Pose& T_W_T, double by) {
   return Pose(Eigen::Translation3d(0, 0, by)) * T_W_T;
 }
@@ -73,6 +65,14 @@ const char* to_text(PathFault fault) {
     default:
       return "are free";
   }
+}
+
+CollisionRules rules(double padding, double opening, int left_out) {
+  CollisionRules r;
+  r.padding = padding;
+  r.opening = opening;
+  r.left_out = left_out;
+  return r;
 }
 
 bool is_free(const CollisionChecker& checker, const JointPath& path) {

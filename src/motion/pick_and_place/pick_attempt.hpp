@@ -97,6 +97,8 @@ class PickAttempt {
   LazyChecker held_wide_;     ///< stone in the gripper, transit
 };
 
+/// Rules of a checker with that clearance [m] and opening [m], one object left out.
+[[nodiscard]] CollisionRules rules(double padding, double opening, int left_out);
 /// True if every piece of the path is free.
 [[nodiscard]] bool is_free(const CollisionChecker& checker, const JointPath& path);
 /// Times the paths. `pick` is the opening with the stone between the pads.

@@ -8,11 +8,11 @@
 #include "core/constants.hpp"
 #include "kinematics/inverse.hpp"
 #include "motion/cartesian.hpp"
-#include "motion/collision.hpp"
 #include "motion/constants.hpp"
 #include "motion/grasp/finger_reach.hpp"
 #include "motion/path/round_corners.hpp"
 #include "motion/path/tool_speed.hpp"
+#include "motion/pick_and_place/pick_attempt.hpp"
 #include "motion/timing.hpp"
 #include "motion/transit.hpp"
 #include "stonestack/core/error.hpp"
@@ -41,20 +41,6 @@ struct Paths {
   double blend = 0.0;  ///< of the transit [rad]
 };
 
-CollisionRules push_rules(double padding, double opening, int left_out) {
-  CollisionRules rules;
-  rules.padding = padding;
-  rules.opening = opening;
-  rules.left_out = left_out;
-  return rules;
-}
-
-bool all_free(const CollisionChecker& checker, const JointPath& path) {
-  for (std::size_t k = 0; k + 1 < path.size(); ++k)
-    if (!checker.motion_is_free(path[k], path[k + 1])) return false;
-  return !path.empty();
-}
-
 /// Gripper straight down, its closing direction along `n_W` (unit, level).
 Eigen::Matrix3d pointing_down(const Eigen::Vector3d& n_W) {
   Eigen::Matrix3d R_W_T;
@@ -79,10 +65,10 @@ class PushPlanner {
         task_(task),
         options_(options),
         n_W_(Eigen::Vector3d(task.p_W_shift.x(), task.p_W_shift.y(), 0.0).normalized()),
-        among_(scene_, push_rules(options.approach_padding, 0.0, -1)),
-        wide_(scene_, push_rules(options.transit_padding, 0.0, -1)),
-        pushing_(scene_, push_rules(options.approach_padding, 0.0, task.object)),
-        opened_(scene_, push_rules(options.approach_padding, scene.gripper.max_opening, task.object)) {
+        among_(scene_, rules(options.approach_padding, 0.0, -1)),
+        wide_(scene_, rules(options.transit_padding, 0.0, -1)),
+        pushing_(scene_, rules(options.approach_padding, 0.0, task.object)),
+        opened_(scene_, rules(options.approach_padding, scene.gripper.max_opening, task.object)) {
     double highest = -std::numeric_limits<double>::infinity();
     for (const Mesh& piece : task.stone->pieces)
       for (const Eigen::Vector3d& p_O : piece.vertices) highest = std::max(highest, (task.T_W_O * p_O).z());
@@ -138,11 +124,11 @@ class PushPlanner {
     const double far = task_.p_W_shift.norm() - behind;
     *fault = "no straight push is free";
     auto push = straight(q_behind, tool(R_W_T, far, 0.0));
-    if (!push || !all_free(pushing_, *push)) return std::nullopt;
+    if (!push || !is_free(pushing_, *push)) return std::nullopt;
     *fault = "nothing leads straight down behind it and up again";
     const auto raised = [&](const Joints& q, double along, const CollisionChecker& free) {
       for (const double above : kAbove)
-        if (auto path = straight(q, tool(R_W_T, along, above)); path && all_free(free, *path)) return path;
+        if (auto path = straight(q, tool(R_W_T, along, above)); path && is_free(free, *path)) return path;
       return std::optional<JointPath>{};
     };
     auto up_behind = raised(q_behind, -behind, among_);

@@ -5,16 +5,10 @@
 #include <limits>
 #include <numbers>
 
+#include "geometry/footprint.hpp"
+
 namespace stonestack::motion {
 namespace {
-
-/// Convex outline seen from above.
-Polygon2 footprint(const std::vector<Mesh>& pieces, const Pose& T_W_object) {
-  std::vector<Eigen::Vector2d> points;
-  for (const Mesh& piece : pieces)
-    for (const Eigen::Vector3d& v : piece.vertices) points.push_back((T_W_object * v).head<2>());
-  return convex_hull(std::move(points));
-}
 
 /// True if the line along some side of `a` has `b`, shifted by `shift`, at least `gap` (m) on its other side.
 bool side_parts(const Polygon2& a, const Polygon2& b, const Eigen::Vector2d& shift, double gap) {
