@@ -23,6 +23,7 @@ void add_descent(CLI::App& app);
 void add_grasp(CLI::App& app);
 void add_grippers(CLI::App& app);
 void add_hold(CLI::App& app);
+void add_push(CLI::App& app);
 void add_rest(CLI::App& app);
 void add_resume(CLI::App& app);
 void add_search(CLI::App& app);

@@ -18,7 +18,7 @@ btScalar ConeSolver::solveGroup(btCollisionObject** bodies, int body_count, btPe
                                 btDispatcher*) {
   if (body_count == 0) return 0.0;  // Bullet asks once more for what its islands left over: nothing
   gather_bodies(bodies, body_count, info.m_timeStep);
-  gather_rows();
+  gather_rows(info.m_timeStep);
   const double scale = last_dt_ > 0.0 ? info.m_timeStep / last_dt_ : 1.0;
   last_dt_ = info.m_timeStep;
   for (Row& row : rows_)
@@ -84,7 +84,7 @@ ConeSolver::Row ConeSolver::make_row(int a, int b, Touch& touch, double friction
   return row;
 }
 
-void ConeSolver::gather_rows() {
+void ConeSolver::gather_rows(double dt) {
   rows_.clear();
   btBroadphasePairArray& pairs = broadphase_->getOverlappingPairCache()->getOverlappingPairArray();
   std::vector<TouchAlgorithm*> algorithms;
@@ -96,9 +96,11 @@ void ConeSolver::gather_rows() {
            std::pair(y->b()->getUserIndex(), y->a()->getUserIndex());
   });
   for (TouchAlgorithm* algorithm : algorithms)
-    for (Touch& touch : algorithm->touches())
+    for (Touch& touch : algorithm->touches()) {
       rows_.push_back(make_row(algorithm->a()->getCompanionId(), algorithm->b()->getCompanionId(), touch,
                                algorithm->friction()));
+      if (const double k = algorithm->stiffness(); k > 0.0) rows_.back().softness = 1.0 / (k * dt * dt);
+    }
 }
 
 double ConeSolver::speed(const Row& row, int axis) const {
@@ -115,9 +117,11 @@ void ConeSolver::apply(const Row& row, int axis, double impulse) {
 /// One iteration over a touch; returns the largest change of a relative speed, m/s.
 double ConeSolver::solve_row(Row& row, double dt) {
   Axis &normal = row.axis[0], &first = row.axis[1], &second = row.axis[2];
-  const double allowed = std::max(row.touch->gap, 0.0) / dt;
+  const bool soft = row.softness > 0.0;
+  const double allowed = (soft ? row.touch->gap : std::max(row.touch->gap, 0.0)) / dt;
   const double before = normal.impulse;
-  normal.impulse = std::max(0.0, before - normal.mass * (speed(row, 0) + allowed));
+  const double mass = soft ? 1.0 / (1.0 / normal.mass + row.softness) : normal.mass;
+  normal.impulse = std::max(0.0, before - mass * (speed(row, 0) + allowed + row.softness * before));
   double change = std::abs(normal.impulse - before) / normal.mass;
   if (normal.impulse != before) apply(row, 0, normal.impulse - before);
 
@@ -155,12 +159,13 @@ void ConeSolver::solve_velocities(int iterations, double dt) {
 }
 
 void ConeSolver::solve_positions(int iterations, double dt) {
-  const bool needed =
-      std::any_of(rows_.begin(), rows_.end(), [](const Row& r) { return r.touch->gap < -kSlop; });
+  const bool needed = std::any_of(rows_.begin(), rows_.end(),
+                                  [](const Row& r) { return r.softness == 0.0 && r.touch->gap < -kSlop; });
   if (!needed) return;
   for (int i = 0; i < iterations; ++i) {
     double change = 0.0;
     for (Row& row : rows_) {
+      if (row.softness > 0.0) continue;
       Body& A = bodies_[static_cast<std::size_t>(row.a)];
       Body& B = bodies_[static_cast<std::size_t>(row.b)];
       const Axis& normal = row.axis[0];

@@ -9,7 +9,8 @@ namespace stonestack::physics {
 /// Velocities and impulses of one step: projected Gauss-Seidel over touches with round friction cones
 /// (Bullet's own solver limits the two friction directions each for itself, which is up to 41 % too much on
 /// the diagonal), full warm start, and positions corrected apart from velocities so that pushing stones apart
-/// adds no energy. Ends early once an iteration changes velocities by less than `kCalm`.
+/// adds no energy. A touch with a stiffness is a spring, implicit in time. Ends early once an iteration
+/// changes velocities by less than `kCalm`.
 class ConeSolver : public btConstraintSolver {
  public:
   explicit ConeSolver(btBroadphaseInterface* broadphase) : broadphase_(broadphase) {}
@@ -47,9 +48,10 @@ class ConeSolver : public btConstraintSolver {
     Vector direction[3];  ///< normal, two tangents
     Axis axis[3];
     double push = 0.0;
+    double softness = 0.0;  ///< by which an impulse of 1 gives way in a step, as a speed; 0: rigid
   };
   void gather_bodies(btCollisionObject** bodies, int count, double dt);
-  void gather_rows();
+  void gather_rows(double dt);
   Row make_row(int a, int b, Touch& touch, double friction) const;
   [[nodiscard]] double speed(const Row& row, int axis) const;
   void apply(const Row& row, int axis, double impulse);

@@ -18,12 +18,13 @@
 namespace stonestack::physics {
 namespace {
 
-constexpr std::size_t kContacts = 12;  // of a pair, the deepest and most spread: the solver is cubic in them
-constexpr double kSoftness = 1e-7;     // ODE's CFM: redundant contacts share a load; 1 um/s at 10 N
-constexpr double kUneven = 1e-7;       // m/s: by which the velocities that contacts ask for differ
-constexpr double kOdeRecovery = 0.2;   // ODE's ERP: share of a depth that one step takes away
-constexpr double kOdeFastest = 0.1;    // m/s, while depths are corrected
-constexpr double kNear = 1e-5;         // m: gaps and depths up to this are rest: they neither close nor open
+constexpr std::size_t kContacts = 12;   // of a pair, the deepest and most spread: the solver is cubic in them
+constexpr double kSoftness = 1e-7;      // ODE's CFM: redundant contacts share a load; 1 um/s at 10 N
+constexpr double kUneven = 1e-7;        // m/s: by which the velocities that contacts ask for differ
+constexpr double kOdeRecovery = 0.2;    // ODE's ERP: share of a depth that one step takes away
+constexpr double kOdeFastest = 0.1;     // m/s, while depths are corrected
+constexpr double kNear = 1e-5;          // m: gaps and depths up to this are rest: they neither close nor open
+constexpr double kLayer = 2.0 * kNear;  // m: depths that ODE leaves alone
 constexpr double kStays = 5e-6;   // m of depth that a new contact must have ahead of one of the last step
 constexpr double kSlides = 1e-3;  // m/s: slower counts as at rest
 
@@ -147,8 +148,7 @@ struct OdeWorld::Ode {
     group = dJointGroupCreate(0);
     dWorldSetCFM(world, kSoftness);
     dWorldSetERP(world, kOdeRecovery);
-    dWorldSetContactMaxCorrectingVel(world, kOdeFastest);
-    dWorldSetContactSurfaceLayer(world, 2.0 * kNear);
+    dWorldSetContactSurfaceLayer(world, kLayer);
   }
   Ode(const Ode&) = delete;
   Ode& operator=(const Ode&) = delete;
@@ -163,10 +163,10 @@ struct OdeWorld::Ode {
     return *bodies[static_cast<std::size_t>(index)];
   }
   int add(std::unique_ptr<Body> body, const MassProperties& mass, const Pose& T_W_O, bool fixed);
-  void collide();
-  void meet_table(int above);
-  void meet(int above, int below);
-  void join(int above, int below, const std::vector<MeshTouch>& found);
+  void collide(double dt);
+  void meet_table(int above, double dt);
+  void meet(int above, int below, double dt);
+  void join(int above, int below, const std::vector<MeshTouch>& found, double dt);
   [[nodiscard]] Vector friction_axis(const Touch& touch, const Body* above, const Body* below) const;
   [[nodiscard]] double friction_of(int a, int b) const {
     const auto found = frictions.find({std::min(a, b), std::max(a, b)});
@@ -181,7 +181,7 @@ struct OdeWorld::Ode {
   dWorldID world = nullptr;
   dJointGroupID group = nullptr;
   std::function<Plane(const Eigen::Vector2d&)> tangent;  ///< empty: z = 0
-  std::map<std::pair<int, int>, double> frictions;
+  std::map<std::pair<int, int>, double> frictions, stiffnesses;
   std::map<std::pair<int, int>, Meeting> meetings;
   std::vector<std::unique_ptr<Body>> bodies;    ///< null for a table
   std::vector<std::unique_ptr<Touch>> touches;  ///< ODE writes the loads into them
@@ -223,10 +223,11 @@ Vector OdeWorld::Ode::friction_axis(const Touch& touch, const Body* above, const
   return along.norm() < 1e-6 * std::max(1.0, gravity.norm()) ? n.unitOrthogonal() : along.normalized();
 }
 
-void OdeWorld::Ode::join(int above, int below, const std::vector<MeshTouch>& found) {
+void OdeWorld::Ode::join(int above, int below, const std::vector<MeshTouch>& found, double dt) {
   const Body* upper = bodies[static_cast<std::size_t>(above)].get();
   const Body* lower = below == kTable ? nullptr : bodies[static_cast<std::size_t>(below)].get();
   const double friction = friction_of(above, below);
+  const auto soft = stiffnesses.find({std::min(above, below), std::max(above, below)});
   const Carriers& before = meetings[{below, above}].carriers;
   for (const MeshTouch& at : thinned(found, before)) {
     auto touch = std::make_unique<Touch>();
@@ -235,8 +236,15 @@ void OdeWorld::Ode::join(int above, int below, const std::vector<MeshTouch>& fou
     dContact contact{};
     std::copy(at.p.data(), at.p.data() + 3, contact.geom.pos);
     std::copy(at.n.data(), at.n.data() + 3, contact.geom.normal);
-    contact.geom.depth = kNear - at.gap;
     contact.surface.mode = dContactFDir1;  // mu is a force [N], or with dContactApprox1 a coefficient
+    if (soft != stiffnesses.end()) {       // an implicit spring
+      contact.geom.depth = kLayer - at.gap;
+      contact.surface.mode |= dContactSoftERP | dContactSoftCFM;
+      contact.surface.soft_erp = 1.0;
+      contact.surface.soft_cfm = 1.0 / (soft->second * dt);
+    } else {
+      contact.geom.depth = std::min(kNear - at.gap, kLayer + kOdeFastest * dt / kOdeRecovery);
+    }
     if (const auto last = before.find(at.features); last != before.end()) {
       contact.surface.mu = friction * last->second;
     } else {
@@ -253,15 +261,15 @@ void OdeWorld::Ode::join(int above, int below, const std::vector<MeshTouch>& fou
   }
 }
 
-void OdeWorld::Ode::meet_table(int above) {
+void OdeWorld::Ode::meet_table(int above, double dt) {
   const Body& body = *bodies[static_cast<std::size_t>(above)];
   if (body.led || !body.stone) return;
   const Pose T_W_M = body_pose(body.body);
   const Plane plane = tangent ? tangent(T_W_M.translation().head<2>()) : Plane{Vector::UnitZ(), 0.0};
-  join(above, kTable, plane_touches(body.mesh, T_W_M, plane.normal, plane.offset, kNear));
+  join(above, kTable, plane_touches(body.mesh, T_W_M, plane.normal, plane.offset, kNear), dt);
 }
 
-void OdeWorld::Ode::meet(int above, int below) {
+void OdeWorld::Ode::meet(int above, int below, double dt) {
   const Body& upper = *bodies[static_cast<std::size_t>(above)];
   const Body& lower = *bodies[static_cast<std::size_t>(below)];
   if ((upper.led && lower.led) || (!upper.stone && !lower.stone)) return;
@@ -269,17 +277,17 @@ void OdeWorld::Ode::meet(int above, int below) {
   const double reach = upper.mesh.radius + lower.mesh.radius + kNear;
   if ((T_W_upper.translation() - T_W_lower.translation()).norm() > reach) return;
   join(above, below,
-       meetings[{below, above}].pair.touches(upper.mesh, lower.mesh, T_W_upper, T_W_lower, kNear));
+       meetings[{below, above}].pair.touches(upper.mesh, lower.mesh, T_W_upper, T_W_lower, kNear), dt);
 }
 
-void OdeWorld::Ode::collide() {
+void OdeWorld::Ode::collide(double dt) {
   touches.clear();
   const int count = static_cast<int>(bodies.size());
   for (int above = 0; above < count; ++above) {
     if (!bodies[static_cast<std::size_t>(above)]) continue;
-    meet_table(above);
+    meet_table(above, dt);
     for (int below = 0; below < above; ++below)
-      if (bodies[static_cast<std::size_t>(below)]) meet(above, below);
+      if (bodies[static_cast<std::size_t>(below)]) meet(above, below, dt);
   }
 }
 
@@ -363,6 +371,12 @@ void OdeWorld::set_pair_friction(int a, int b, double friction) {
   ode_->frictions[{std::min(a, b), std::max(a, b)}] = friction;
 }
 
+void OdeWorld::set_pair_stiffness(int a, int b, double stiffness) {
+  require(stiffness > 0.0 && std::isfinite(stiffness), "stiffness of bodies ", a, " and ", b,
+          " must be positive, got ", stiffness, " N/m");
+  ode_->stiffnesses[{std::min(a, b), std::max(a, b)}] = stiffness;
+}
+
 void OdeWorld::apply(int body, const Eigen::Vector3d& force, const Eigen::Vector3d& torque) {
   const Ode::Body& b = ode_->body(body);
   dBodyAddForce(b.body, force.x(), force.y(), force.z());
@@ -378,7 +392,7 @@ void OdeWorld::step(double dt) {
   dWorldSetGravity(ode_->world, ode_->gravity.x(), ode_->gravity.y(), ode_->gravity.z());
   ode_->damp(dt);
   ode_->lead(dt);
-  ode_->collide();
+  ode_->collide(dt);
   dWorldStep(ode_->world, dt);
   ode_->read_loads(dt);
   dJointGroupEmpty(ode_->group);

@@ -29,6 +29,7 @@ class OdeWorld final : public RigidWorld {
   void move_to(int body, const Pose& T_W_body) override;
   void place(int body, const Pose& T_W_body, const Twist& twist) override;
   void set_pair_friction(int a, int b, double friction) override;
+  void set_pair_stiffness(int a, int b, double stiffness) override;
   void apply(int body, const Eigen::Vector3d& force, const Eigen::Vector3d& torque) override;
   void set_gravity(const Eigen::Vector3d& g_W) override;
   void step(double dt) override;

@@ -58,6 +58,9 @@ class RigidWorld {
   virtual void place(int body, const Pose& T_W_body, const Twist& twist) = 0;
   /// Friction of one pair of bodies; overrides the world's.
   virtual void set_pair_friction(int a, int b, double friction) = 0;
+  /// Lets the contact of a stone with a box give way, by `stiffness` [N/m] at each touch, as what is behind
+  /// the box does. A rigid one presses without bound on a stone that is caught between box and table.
+  virtual void set_pair_stiffness(int a, int b, double stiffness) = 0;
   /// Force (N) at the centre of mass and torque (Nm), world axes, for the next step only.
   virtual void apply(int body, const Eigen::Vector3d& force, const Eigen::Vector3d& torque) = 0;
   virtual void set_gravity(const Eigen::Vector3d& g_W) = 0;

@@ -55,6 +55,7 @@ void TouchAlgorithm::processCollision(const btCollisionObjectWrapper*, const btC
                                       const btDispatcherInfo&, btManifoldResult*) {
   const PairRule rule = rules_->of(a_->getUserIndex(), b_->getUserIndex());
   friction_ = rule.friction;
+  stiffness_ = rule.stiffness;
   if (!rule.touches || (a_->isStaticOrKinematicObject() && b_->isStaticOrKinematicObject())) {
     state_->touches.clear();
     return;

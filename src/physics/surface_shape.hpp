@@ -39,13 +39,14 @@ class SurfaceShape : public btCollisionShape {
 struct PairRule {
   double friction = 0.1;
   bool touches = true;
+  double stiffness = 0.0;  ///< [N/m] of each touch; 0: rigid
 };
 struct PairRules {
   double friction = 0.1;  ///< of pairs without a rule
   std::map<std::pair<int, int>, PairRule> rules;
   [[nodiscard]] PairRule of(int a, int b) const {
     const auto found = rules.find({std::min(a, b), std::max(a, b)});
-    return found == rules.end() ? PairRule{friction, true} : found->second;
+    return found == rules.end() ? PairRule{friction, true, 0.0} : found->second;
   }
 };
 
@@ -67,6 +68,7 @@ class TouchAlgorithm : public btCollisionAlgorithm {
   [[nodiscard]] const btRigidBody* a() const { return a_; }
   [[nodiscard]] const btRigidBody* b() const { return b_; }
   [[nodiscard]] double friction() const { return friction_; }
+  [[nodiscard]] double stiffness() const { return stiffness_; }
   [[nodiscard]] std::vector<Touch>& touches() { return state_->touches; }
 
   /// Makes these algorithms; one a world.
@@ -91,6 +93,7 @@ class TouchAlgorithm : public btCollisionAlgorithm {
   const btRigidBody* b_;
   const PairRules* rules_;
   double friction_ = 0.0;
+  double stiffness_ = 0.0;
   std::unique_ptr<State> state_;
 };
 

@@ -225,6 +225,12 @@ void World::set_pair_friction(int a, int b, double friction) {
   bullet_->rule(a, b).friction = friction;
 }
 
+void World::set_pair_stiffness(int a, int b, double stiffness) {
+  require(stiffness > 0.0 && std::isfinite(stiffness), "stiffness of bodies ", a, " and ", b,
+          " must be positive, got ", stiffness, " N/m");
+  bullet_->rule(a, b).stiffness = stiffness;
+}
+
 void World::set_contact(int a, int b, bool enabled) {
   bullet_->rule(a, b).touches = enabled;
 }

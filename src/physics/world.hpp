@@ -23,6 +23,7 @@ class World final : public RigidWorld {
   void place(int body, const Pose& T_W_body, const Twist& twist = {}) override;
   void set_fixed(int body, bool fixed);
   void set_pair_friction(int a, int b, double friction) override;
+  void set_pair_stiffness(int a, int b, double stiffness) override;
   /// Turns contact between two bodies off or on (a held stone and its fingers).
   void set_contact(int a, int b, bool enabled);
   void apply(int body, const Eigen::Vector3d& force,

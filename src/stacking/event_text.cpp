@@ -122,8 +122,8 @@ struct Words {
                        : "";
   }
   std::string operator()(const PushBegun& e) const {
-    return concat("no finger gets beside ", name(e.stone), ": it is pushed ", std::lround(1e3 * e.distance),
-                  " mm over the table");
+    return concat(name(e.stone), " is pushed ", std::lround(1e3 * e.distance),
+                  " mm over the table, to make room for fingers");
   }
   std::string operator()(const FingertipGrasp& e) const {
     return concat(name(e.stone),

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "stacking/execute.hpp"
 #include "stacking/plan_executor.hpp"
 #include "stonestack/core/error.hpp"
@@ -10,12 +12,14 @@ ExecutionResult execute_push(const PickAndPlacePlan& plan, const Stone& stone, c
   using Status = ExecutionResult::Status;
   const PlanExecutor executor{plan, stone, scene, cell, options, journal};
   ExecutionResult result;
-  const PlanStep* down = nullptr;  // behind the stone
-  bool returned = false;           // along the way that it came on
+  std::vector<const PlanStep*> done;  // down behind the stone, and the first towards it
+  bool returned = false;              // along the way that it came on
   const auto give_up = [&](const char* why) {
     result.reason = why;
     returned = true;
   };
+  const auto last = std::find_if(plan.steps.rbegin(), plan.steps.rend(),
+                                 [](const PlanStep& step) { return step.kind == Kind::kDescent; });
   for (const PlanStep& step : plan.steps) {
     throw_if_interrupted();
     if (returned && step.kind != Kind::kOpen) continue;
@@ -28,7 +32,7 @@ ExecutionResult execute_push(const PickAndPlacePlan& plan, const Stone& stone, c
         executor.open(step);
         break;
       case Kind::kApproach:
-        down = &step;
+        done.push_back(&step);
         now = executor.feel_down(step, &touched);
         if (!touched) break;
         now = executor.back_to_start(step);
@@ -36,12 +40,16 @@ ExecutionResult execute_push(const PickAndPlacePlan& plan, const Stone& stone, c
         give_up("something is met behind the stone");
         break;
       case Kind::kDescent:
+        if (done.empty() || done.back()->kind != Kind::kDescent) done.push_back(&step);
         now = executor.push(step, &touched);
         result.contact_force = now.contact_force;
-        if (!touched) break;
-        now = executor.back_to_start(step);
-        if (now.status == Status::kReleased && down != nullptr) now = executor.back_to_start(*down);
+        if (!touched || &step != &*last) break;  // the first goes up to the stone
+        for (; !done.empty() && now.status == Status::kReleased; done.pop_back())
+          now = executor.back_to_start(*done.back());
         give_up("it resists: pushed a part of the way");
+        break;
+      case Kind::kRetreat:
+        now = executor.follow_from_here(step);
         break;
       default:
         now = executor.follow(step);

@@ -253,18 +253,38 @@ ExecutionResult PlanExecutor::follow_slowly(const PlanStep& step, const JointPat
   return follow(actual);
 }
 
-ExecutionResult PlanExecutor::push(const PlanStep& step, bool* blocked) const {
+std::optional<JointPath> PlanExecutor::path_from_here(const PlanStep& step) const {
+  const Joints q = cell.arm.state().q;
   const JointPath& route = step.trajectory.q;
+  const Eigen::Vector3d p_R_shift =
+      cell.layout.T_W_R.linear().transpose() * (tip(route.back()) - tip(route.front()));
+  return straight_path(scene.robot, scene.T_F_T, q,
+                       Eigen::Translation3d(p_R_shift) * forward(scene.robot, q) * scene.T_F_T);
+}
+
+ExecutionResult PlanExecutor::push(const PlanStep& step, bool* resisted) const {
+  const JointPath& route = step.trajectory.q;
+  const Eigen::Vector3d shift = tip(route.back()) - tip(route.front());
+  const auto path = path_from_here(step);
+  if (!path) return {Status::kStopped, 0.0, step.name + ": no straight path on"};
+  TimingLimits limits = timing_limits(scene.robot, options);
+  limits.tool_speed = shift.norm() / step.trajectory.duration();
   GuardedMotion motion;
-  motion.trajectory = step.trajectory;
+  motion.trajectory = time_path(*path, limits, scene.robot, scene.T_F_T);
   motion.threshold = step.threshold;
-  motion.n_W_direction = (tip(route.back()) - tip(route.front())).normalized();
+  motion.n_W_direction = shift.normalized();
   const MotionResult moved = cell.arm.follow_guarded(motion);
-  *blocked = moved.status == MotionResult::Status::kContact;
-  record(journal, TouchMeasured{*blocked, moved.force, 0.0});
-  if (*blocked || moved.status == MotionResult::Status::kNoContact)
+  *resisted = moved.status == MotionResult::Status::kContact;
+  record(journal, TouchMeasured{*resisted, moved.force, 0.0});
+  if (*resisted || moved.status == MotionResult::Status::kNoContact)
     return {Status::kReleased, moved.force, ""};
   return {Status::kStopped, moved.force, step.name + ": " + moved.reason};
+}
+
+ExecutionResult PlanExecutor::follow_from_here(const PlanStep& step) const {
+  const auto path = path_from_here(step);
+  if (!path) return {Status::kStopped, 0.0, step.name + ": no straight path from where the arm stands"};
+  return follow_slowly(step, *path);
 }
 
 ExecutionResult PlanExecutor::back_to_start(const PlanStep& step) const {

@@ -12,17 +12,18 @@ namespace {
 
 using geometry::Polygon2;
 
-constexpr int kPushDirections = 16;                   // about the vertical
-constexpr std::array kPushLengths{0.03, 0.05, 0.08};  // m
-constexpr double kPathStep = 0.005;                   // m, along a push
-constexpr double kPastOthers = 0.004;     // m, between footprints, or as much as there is at the start
-constexpr double kForFingers = 0.03;      // m beside a stone: more helps no finger
-constexpr double kGripperRadius = 0.035;  // m: closed, at the finger tips; its motion is planned exactly
-constexpr double kOffStack = 0.01;        // m, where a stone leans on nothing any more
-constexpr double kFromSite = 0.2;         // m, that a push does not bring a stone nearer to the site than
-constexpr double kInField = 0.8;          // of the field, about its middle
-constexpr double kLowest = 0.005;         // m: what is lower does not stand beside a stone
-constexpr double kOverhead = 0.25;        // m: nor does what begins higher
+constexpr int kPushDirections = 16;                         // about the vertical
+constexpr std::array kPushLengths{0.03, 0.05, 0.08, 0.12};  // m
+constexpr double kPathStep = 0.005;                         // m, along a push
+constexpr double kPastOthers = 0.004;  // m, between footprints, or as much as there is at the start
+constexpr double kForFingers = 0.03;   // m beside a stone: more helps no finger
+constexpr double kGripperRadius =
+    0.02;                           // m: closed, at the finger tips, at least; motions are planned exactly
+constexpr double kOffStack = 0.01;  // m, where a stone leans on nothing any more
+constexpr double kFromSite = 0.2;   // m, that a push does not bring a stone nearer to the site than
+constexpr double kInField = 0.8;    // of the field, about its middle
+constexpr double kLowest = 0.005;   // m: what is lower does not stand beside a stone
+constexpr double kOverhead = 0.25;  // m: nor does what begins higher
 constexpr std::size_t kTriedPushes = 16, kOfferedPushes = 6;
 
 Polygon2 shifted(Polygon2 polygon, const Eigen::Vector2d& by) {
@@ -133,12 +134,20 @@ Reach reach_of(const Situation& s, const Arrangement& arrangement) {
           *s.models.catalogue, s.options.motion};
 }
 
-/// Would a grasp of the stone serve if it lay there?
-bool is_held_at(const Situation& s, const PlacedStone& there) {
-  Arrangement then = s.arrangement;
-  for (PlacedStone& stone : then.loose)
+Arrangement with(Arrangement arrangement, const PlacedStone& there) {
+  for (PlacedStone& stone : arrangement.loose)
     if (stone.stone == there.stone) stone = there;
-  return !reach_of(s, then).at_pick(there.stone).usable.empty();
+  return arrangement;
+}
+
+Arrangement without(Arrangement arrangement, StoneIndex gone) {
+  std::erase_if(arrangement.loose, [&](const PlacedStone& stone) { return stone.stone == gone; });
+  return arrangement;
+}
+
+/// Would a grasp of the stone serve in that arrangement?
+bool is_held(const Situation& s, const Arrangement& then, StoneIndex stone) {
+  return !reach_of(s, then).at_pick(stone).usable.empty();
 }
 
 /// The gripper could hold it as it lies, but something stands beside it.
@@ -152,25 +161,55 @@ bool may_push(const Situation& s, const RunMemory& memory, StoneIndex stone) {
   return memory.pushed < s.options.max_reoriented && !memory.not_pushed.contains(stone);
 }
 
+/// Shifts of one loose stone after which a grasp of another, or of itself, serves.
+std::vector<Eigen::Vector2d> shifts_that_free(const Situation& s, const PlacedStone& pushed,
+                                              StoneIndex freed) {
+  std::vector<Eigen::Vector2d> shifts;
+  std::size_t tried = 0;
+  for (const FreeShift& shift : free_shifts(s, pushed)) {
+    if (shifts.size() >= kOfferedPushes || tried >= kTriedPushes) break;
+    ++tried;
+    if (is_held(s, with(s.arrangement, moved(pushed, shift.p_W_shift)), freed))
+      shifts.push_back(shift.p_W_shift);
+  }
+  return shifts;
+}
+
+/// Loose stones that the gripper could hold but for what stands beside them.
+std::vector<PlacedStone> blocked_stones(const Situation& s) {
+  std::vector<PlacedStone> list;
+  for (const PlacedStone& stone : s.arrangement.loose)
+    if (at(s.models.unfit, stone.stone).empty() && is_blocked(s.reach->at_pick(stone.stone)))
+      list.push_back(stone);
+  return list;
+}
+
+/// A neighbour pushed away from a stone that is blocked by it.
+std::optional<Push> push_neighbour(const Situation& s, const RunMemory& memory, StoneIndex blocked) {
+  for (const PlacedStone& other : s.arrangement.loose) {
+    if (other.stone == blocked || !may_push(s, memory, other.stone) ||
+        !is_held(s, without(s.arrangement, other.stone), blocked))
+      continue;
+    if (const auto shifts = shifts_that_free(s, other, blocked); !shifts.empty()) return Push{other, shifts};
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<Push> push_free(const Situation& s, const RunMemory& memory, Neighbours neighbours) {
-  for (const PlacedStone& stone : s.arrangement.loose) {
-    if (!may_push(s, memory, stone.stone) || !at(s.models.unfit, stone.stone).empty() ||
-        !is_blocked(s.reach->at_pick(stone.stone)))
-      continue;
+  const std::vector<PlacedStone> blocked = blocked_stones(s);
+  for (const PlacedStone& stone : blocked) {
+    if (!may_push(s, memory, stone.stone)) continue;
     if (neighbours == Neighbours::kLasting &&
         !is_blocked(reach_of(s, {s.arrangement.stack, {stone}}).at_pick(stone.stone)))
       continue;
-    Push push{stone, {}};
-    std::size_t tried = 0;
-    for (const FreeShift& shift : free_shifts(s, stone)) {
-      if (push.p_W_shifts.size() >= kOfferedPushes || tried >= kTriedPushes) break;
-      ++tried;
-      if (is_held_at(s, moved(stone, shift.p_W_shift))) push.p_W_shifts.push_back(shift.p_W_shift);
-    }
-    if (!push.p_W_shifts.empty()) return push;
+    if (const auto shifts = shifts_that_free(s, stone, stone.stone); !shifts.empty())
+      return Push{stone, shifts};
   }
+  if (neighbours == Neighbours::kAll)
+    for (const PlacedStone& stone : blocked)
+      if (const auto push = push_neighbour(s, memory, stone.stone)) return push;
   return std::nullopt;
 }
 

@@ -177,7 +177,8 @@ struct Leaving {
       append(out, *at.step, at.time, at.step->trajectory.duration());
     } else {
       append(out, *at.step, at.time, 0.0);
-      for (std::size_t k = index(at); k-- > 0 && plan.steps[k].kind == Kind::kApproach;)
+      for (std::size_t k = index(at);
+           k-- > 0 && (plan.steps[k].kind == Kind::kApproach || plan.steps[k].kind == Kind::kDescent);)
         append(out, plan.steps[k], plan.steps[k].trajectory.duration(), 0.0);
     }
     follow(concat("leave ", stone), out);

@@ -134,6 +134,47 @@ TEST_P(Engines, FrictionIsThatOfThePair) {
   EXPECT_NEAR(world->pose(1).translation().x(), expected, 0.1 * expected);
 }
 
+/// Of a ball on the table on which a box is pressed 0.5 mm deep: the force on the box when it has come to
+/// rest, that of springs of 1e5 N/m as long as the touches are deep, and the largest on the way.
+struct Press {
+  double force = 0.0, springs = 0.0, largest = 0.0;  ///< [N]
+};
+Press press_ball(RigidWorld& world, bool gives_way) {
+  constexpr double kRadius = 0.05, kStiffness = 1e5, kPressed = 0.0005;
+  const int ball = world.add_stone(body(make_sphere(kRadius, 4), "ball"), at(0, 0, kRadius), false);
+  const int above = world.add_box({0.2, 0.2, 0.02}, at(0, 0, 2 * kRadius + 0.0105));
+  world.set_pair_friction(ball, above, 0.0);
+  if (gives_way) world.set_pair_stiffness(ball, above, kStiffness);
+  Press press;
+  constexpr int kSteps = 300, kMean = 50;
+  for (int k = 0; k < kSteps; ++k) {
+    const double way = std::min(1.0, 2.0 * (k + 1) / kSteps);
+    world.move_to(above, at(0, 0, 2 * kRadius + 0.0105 - way * (0.0005 + kPressed)));
+    world.step(kStep);
+    const bool at_rest = k >= kSteps - kMean;
+    double force = 0.0;
+    for (const Contact& contact : world.contacts()) {
+      if (contact.below == kTable) continue;
+      force += contact.impulse / kStep;
+      if (at_rest) press.springs += kStiffness * std::max(0.0, -contact.gap) / kMean;
+    }
+    if (at_rest) press.force += force / kMean;
+    press.largest = std::max(press.largest, force);
+  }
+  return press;
+}
+
+TEST_P(Engines, ABoxThatGivesWayPressesLikeASpring) {
+  const auto soft = make(0.3), rigid = make(0.3);
+  const Press press = press_ball(*soft, true);
+  EXPECT_GT(press.springs, 20.0);
+  EXPECT_LT(press.springs, 60.0) << "half a millimetre at most";
+  EXPECT_NEAR(press.force, press.springs, 0.05 * press.springs);
+  EXPECT_LT(press.largest, 1.5 * press.force);
+  EXPECT_GT(press_ball(*rigid, false).largest, 3.0 * press.largest);
+  EXPECT_THROW(rigid->set_pair_stiffness(0, 1, 0.0), InvalidArgument);
+}
+
 /// A ball of mesh on a plane tilted by `tilt`: distance and turning after 0.4 s.
 Eigen::Vector2d ball_on_slope(RigidWorld& world, double tilt) {
   constexpr double kRadius = 0.05;

@@ -110,6 +110,40 @@ TEST(PushFree, AStoneThatCanBeGraspedIsNotPushed) {
   EXPECT_TRUE(std::holds_alternative<Place>(choose_action(world, memory, models, options).action));
 }
 
+TEST(PushFree, WhereAStoneCannotBePushedItsNeighbourIs) {
+  Blocked bench;
+  ASSERT_TRUE(bench.found);
+  const Obstacle box = bench.layout.obstacles.front();  // a stone in its place
+  Stone slab;
+  slab.name = "slab";
+  slab.mesh = slab.scan = box.pieces.front();
+  slab.pieces = box.pieces;
+  slab.mass = mass_properties(slab.scan, slab.density);
+  const StoneIndex neighbour(bench.catalogue.stones.size());
+  bench.catalogue.stones.push_back(slab);
+  bench.layout.obstacles.clear();
+  const Models models = make_models(bench.catalogue, bench.robot, bench.layout);
+  WorldEstimate world;
+  world.site = SiteStatus::kFree;
+  world.loose = {{bench.stone.stone, bench.stone.T_W_O, bench.stone.T_W_O},
+                 {neighbour, box.T_W_O, box.T_W_O}};
+  const BuildOptions options;
+  const Listener nobody;
+  const Situation situation = make_situation(world, models, options, nobody);
+  RunMemory memory = make_memory(options);
+  memory.not_pushed.insert(bench.stone.stone);
+  EXPECT_FALSE(push_free(situation, memory, Neighbours::kLasting)) << "the neighbour may be taken first";
+  const auto push = push_free(situation, memory, Neighbours::kAll);
+  ASSERT_TRUE(push);
+  EXPECT_EQ(push->stone.stone, neighbour);
+  ASSERT_FALSE(push->p_W_shifts.empty());
+  for (const Eigen::Vector2d& shift : push->p_W_shifts) {
+    bench.layout.obstacles = {box};
+    bench.layout.obstacles[0].T_W_O.pretranslate(Eigen::Vector3d(shift.x(), shift.y(), 0.0));
+    EXPECT_TRUE(bench.held_at(bench.stone));
+  }
+}
+
 TEST(PushFree, TheLoopPushesAndPlacesTheStone) {
   const Blocked bench;
   ASSERT_TRUE(bench.found);

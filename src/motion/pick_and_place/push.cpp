@@ -20,24 +20,32 @@
 namespace stonestack::motion {
 namespace {
 
-constexpr double kPushSpeed = 0.02;       ///< [m/s]
-constexpr double kPushHeight = 0.35;      ///< of the stone's height, where the tips push: it slides
-constexpr double kTipsOffTable = 0.010;   ///< [m]
-constexpr double kBehindStep = 0.002;     ///< between places behind the stone that are tried [m]
-constexpr double kBehindMost = 0.15;      ///< from its centre of mass [m]
+constexpr double kPushSpeed = 0.02;      ///< [m/s]
+constexpr double kDownSpeed = 0.03;      ///< [m/s]: what is met is felt late
+constexpr double kPushHeight = 0.35;     ///< of the stone's height, where the tips push: it slides
+constexpr double kTipsOffTable = 0.010;  ///< [m]
+constexpr double kBehindStep = 0.002;    ///< between places behind the stone that are tried [m]
+constexpr double kBehindMost = 0.15;     ///< from its centre of mass [m]
+/// On the way down, from the stone and everything else [m]; the first is more than the arm and what was seen
+/// err by together.
+constexpr std::array kClearances{0.008, 0.004, 0.002};
+constexpr std::array kPastStone{0.025, 0.015, 0.008, 0.0};  ///< that the stone is sought past its place [m]
+constexpr double kUpStep = 0.01;          ///< between places from where a free way up is asked for [m]
 constexpr std::array kAbove{0.12, 0.08};  ///< straight down and up again [m]
 constexpr std::array kPastMiddle{0.0, 0.015, -0.015};  ///< aside, of the line of the push [m]
 constexpr double kBackOff = 0.010;                     ///< from the stone before the gripper goes up [m]
 constexpr double kPushBlend = 0.0003;                  ///< [rad]
 constexpr double kPushEffort = 1.0;                    ///< for the transit [s]
 constexpr double kWidestPushBlend = 0.2;               ///< corners of the transit cut, most [rad]
-constexpr double kPushForceShare = 2.0;                ///< of the stone's weight, more than its friction
-constexpr double kMinPushForce = 25.0;                 ///< [N]
+constexpr double kPushForceShare = 1.5;                ///< of the stone's weight, more than its friction
+constexpr double kMinPushForce = 15.0;                 ///< [N]
+constexpr double kNoiseAlone = 6.0;                    ///< sigmas of the force that noise does not reach
+constexpr double kStoneFelt = 3.0;                     ///< [N]: less than most stones' friction on the table
 
 using Kind = PlanStep::Kind;
 
 struct Paths {
-  JointPath to_stone, down, push, up;
+  JointPath to_stone, down, up_to_it, push, off, up;
   double blend = 0.0;  ///< of the transit [rad]
 };
 
@@ -65,13 +73,14 @@ class PushPlanner {
         task_(task),
         options_(options),
         n_W_(Eigen::Vector3d(task.p_W_shift.x(), task.p_W_shift.y(), 0.0).normalized()),
-        among_(scene_, rules(options.approach_padding, 0.0, -1)),
         wide_(scene_, rules(options.transit_padding, 0.0, -1)),
         pushing_(scene_, rules(options.approach_padding, 0.0, task.object)),
         opened_(scene_, rules(options.approach_padding, scene.gripper.max_opening, task.object)) {
     double highest = -std::numeric_limits<double>::infinity();
     for (const Mesh& piece : task.stone->pieces)
       for (const Eigen::Vector3d& p_O : piece.vertices) highest = std::max(highest, (task.T_W_O * p_O).z());
+    for (const double clearance : kClearances)
+      among_.emplace_back(scene_, rules(std::max(clearance, options.approach_padding), 0.0, -1));
     const double tips = std::max(kTipsOffTable, kPushHeight * (highest - scene.table_z));
     p_W_middle_ = task.T_W_O * task.stone->mass.p_O_M;
     p_W_middle_.z() = scene.table_z + tips + tip_advance(scene.gripper, 0.0);
@@ -82,12 +91,13 @@ class PushPlanner {
   [[nodiscard]] std::optional<Paths> plan(std::string* fault) {
     const Eigen::Vector3d n_W_aside = Eigen::Vector3d::UnitZ().cross(n_W_);
     const Eigen::Vector3d p_W_through = p_W_middle_;
-    for (const double past : kPastMiddle) {
-      p_W_middle_ = p_W_through + past * n_W_aside;
-      for (const Eigen::Vector3d& n_W :
-           {Eigen::Vector3d(-n_W_), n_W_, n_W_aside, Eigen::Vector3d(-n_W_aside)})
-        if (auto paths = plan_turned(pointing_down(n_W), fault)) return paths;
-    }
+    for (const CollisionChecker& among : among_)
+      for (const double past : kPastMiddle) {
+        p_W_middle_ = p_W_through + past * n_W_aside;
+        for (const Eigen::Vector3d& n_W :
+             {Eigen::Vector3d(-n_W_), n_W_, n_W_aside, Eigen::Vector3d(-n_W_aside)})
+          if (auto paths = plan_turned(pointing_down(n_W), among, fault)) return paths;
+      }
     return std::nullopt;
   }
 
@@ -102,58 +112,85 @@ class PushPlanner {
     return straight_path(scene_.robot, scene_.T_F_T, q, scene_.T_W_R.inverse() * T_W_T);
   }
 
-  [[nodiscard]] std::optional<Paths> plan_turned(const Eigen::Matrix3d& R_W_T, std::string* fault) const {
+  [[nodiscard]] std::optional<Paths> plan_turned(const Eigen::Matrix3d& R_W_T, const CollisionChecker& among,
+                                                 std::string* fault) const {
     *fault = "there is no room for the gripper behind it";
     for (double behind = 0.0; behind < kBehindMost; behind += kBehindStep) {
       const Pose T_W_T = tool(R_W_T, -behind, 0.0);
       bool found = false;
       for (const IkSolution& solution :
            inverse(scene_.robot, scene_.T_W_R.inverse() * T_W_T * scene_.T_F_T.inverse(), task_.q_start)) {
-        if (among_.collides(solution.q)) continue;
+        if (among.collides(solution.q)) continue;
         found = true;
-        if (auto paths = plan_from(R_W_T, behind, solution.q, fault)) return paths;
+        for (const double past : kPastStone)
+          if (auto paths = plan_from(R_W_T, behind, past, solution.q, among, fault)) return paths;
       }
       if (found) return std::nullopt;  // further behind is no better
     }
     return std::nullopt;
   }
 
-  [[nodiscard]] std::optional<Paths> plan_from(const Eigen::Matrix3d& R_W_T, double behind,
-                                               const Joints& q_behind, std::string* fault) const {
+  /// `past`: how far beyond its place the stone is sought.
+  [[nodiscard]] std::optional<Paths> plan_from(const Eigen::Matrix3d& R_W_T, double behind, double past,
+                                               const Joints& q_behind, const CollisionChecker& among,
+                                               std::string* fault) const {
     throw_if_interrupted();
-    const double far = task_.p_W_shift.norm() - behind;
+    const double length = task_.p_W_shift.norm(), latest = past - behind, far = latest + length;
     *fault = "no straight push is free";
-    auto push = straight(q_behind, tool(R_W_T, far, 0.0));
+    auto up_to_it =
+        past > 0 ? straight(q_behind, tool(R_W_T, latest, 0.0)) : std::optional(JointPath{q_behind});
+    if (!up_to_it || !is_free(pushing_, *up_to_it)) return std::nullopt;
+    auto push = straight(up_to_it->back(), tool(R_W_T, far, 0.0));
     if (!push || !is_free(pushing_, *push)) return std::nullopt;
     *fault = "nothing leads straight down behind it and up again";
-    const auto raised = [&](const Joints& q, double along, const CollisionChecker& free) {
-      for (const double above : kAbove)
-        if (auto path = straight(q, tool(R_W_T, along, above)); path && is_free(free, *path)) return path;
-      return std::optional<JointPath>{};
-    };
-    auto up_behind = raised(q_behind, -behind, among_);
     auto off = straight(push->back(), tool(R_W_T, far - kBackOff, 0.0));
-    if (!up_behind || !off || opened_.collides(up_behind->back())) return std::nullopt;
-    const auto up = raised(off->back(), far - kBackOff, pushing_);
-    if (!up || opened_.collides(up->back())) return std::nullopt;
-    *fault = "no path leads there";
-    const Joints q_above = up_behind->back();
+    if (!off) return std::nullopt;
+    for (const double above : kAbove) {
+      auto down = straight(q_behind, tool(R_W_T, -behind, above));
+      if (!down || !is_free(among, *down) || opened_.collides(down->back())) continue;
+      auto up = way_up(R_W_T, *off, far - kBackOff, past, above);
+      if (!up) continue;
+      std::reverse(down->begin(), down->end());
+      Paths paths;
+      paths.down = *std::move(down);
+      paths.up_to_it = past > 0 ? *std::move(up_to_it) : JointPath{};
+      paths.push = *std::move(push);
+      paths.off = *std::move(off);
+      paths.up = *std::move(up);
+      *fault = "no path leads there";
+      return with_transit(std::move(paths), among);
+    }
+    return std::nullopt;
+  }
+
+  /// Up by `above` from the end of `off`, which is `along` the push, if that is free there and from up to
+  /// `past` nearer, where a stone that was felt early is left.
+  [[nodiscard]] std::optional<JointPath> way_up(const Eigen::Matrix3d& R_W_T, const JointPath& off,
+                                                double along, double past, double above) const {
+    std::optional<JointPath> up;
+    for (double nearer = 0.0; nearer <= past; nearer += kUpStep) {
+      const auto from = straight(off.back(), tool(R_W_T, along - nearer, 0.0));
+      if (!from) return std::nullopt;
+      auto path = straight(from->back(), tool(R_W_T, along - nearer, above));
+      if (!path || !is_free(pushing_, *path) || opened_.collides(path->back())) return std::nullopt;
+      if (!up) up = std::move(path);
+    }
+    return up;
+  }
+
+  /// Adds the way to where it goes down.
+  [[nodiscard]] std::optional<Paths> with_transit(Paths paths, const CollisionChecker& among) const {
+    const Joints q_above = paths.down.front();
     const bool near = wide_.collides(task_.q_start) || wide_.collides(q_above);
-    const CollisionChecker& checker = near ? among_ : wide_;
+    const CollisionChecker& checker = near ? among : wide_;
     MotionOptions options = options_;
     options.planning_effort = std::min(options.planning_effort, kPushEffort);
     auto transit = find_path(checker, task_.q_start, std::span(&q_above, 1), options, kPushEffort);
     if (!transit) return std::nullopt;
-    Paths paths;
     TimingLimits limits = timing_limits(scene_.robot, options_);
     limits.blend = kWidestPushBlend;
     paths.blend = free_blend(checker, *transit, limits);
     paths.to_stone = *std::move(transit);
-    std::reverse(up_behind->begin(), up_behind->end());
-    paths.down = *std::move(up_behind);
-    paths.push = *std::move(push);
-    paths.up = *std::move(off);
-    paths.up.insert(paths.up.end(), up->begin(), up->end());
     return paths;
   }
 
@@ -162,10 +199,11 @@ class PushPlanner {
   const MotionOptions& options_;
   Eigen::Vector3d n_W_;         ///< of the push, unit, level
   Eigen::Vector3d p_W_middle_;  ///< of T where the tips would push beside the centre of mass
-  CollisionChecker among_;      ///< closed gripper, the stone there
-  CollisionChecker wide_;       ///< the same with the padding of a transit
-  CollisionChecker pushing_;    ///< closed gripper, the stone not there
-  CollisionChecker opened_;     ///< open gripper, the stone not there
+  /// Closed gripper, the stone there, one for each of kClearances.
+  std::vector<CollisionChecker> among_;
+  CollisionChecker wide_;     ///< the same with the padding of a transit
+  CollisionChecker pushing_;  ///< closed gripper, the stone not there
+  CollisionChecker opened_;   ///< open gripper, the stone not there
 };
 
 PlanStep fingers_step(const char* name, double opening) {
@@ -214,10 +252,14 @@ PickAndPlacePlan plan_push(const PlanningScene& scene, const PushTask& task, con
   plan.steps.back().spacing = scene.gripper.narrow_spacing;
   add(Kind::kTransit, "move behind " + name, paths->to_stone, transit, 0.0, transit_speed(scene, options));
   add(Kind::kApproach, "go down behind " + name, paths->down,
-      at_speed(std::min(options.approach_speed, kGuardedSpeed)), options.early_threshold);
+      at_speed(std::min(options.approach_speed, kDownSpeed)), options.early_threshold);
+  if (!paths->up_to_it.empty())
+    add(Kind::kDescent, "go up to " + name, paths->up_to_it, at_speed(kPushSpeed),
+        std::max(kStoneFelt, kNoiseAlone * options.force_noise));
   add(Kind::kDescent, "push " + name, paths->push, at_speed(kPushSpeed),
       std::max(kMinPushForce, kPushForceShare * kGravity * task.stone->mass.mass));
-  add(Kind::kRetreat, "retreat from " + name, paths->up, at_speed(options.approach_speed), 0.0);
+  add(Kind::kRetreat, "retreat from " + name, paths->off, at_speed(options.approach_speed), 0.0);
+  add(Kind::kRetreat, "rise from " + name, paths->up, at_speed(options.approach_speed), 0.0);
   plan.steps.push_back(fingers_step("open the gripper", scene.gripper.max_opening));
   return plan;
 }
