@@ -46,7 +46,8 @@ TEST_F(BenchCommand, EveryBenchmarkReportsTablesAsData) {
       {"timing --paths 3", "timing"},
       {"equilibrium --stacks 2 --stones 2 --generated 3 --scans none --seconds 0.1", "verdicts"},
       {"search --draws 1 --stones 1 --generated 2 --scans none --paper 0 --stand 0.1", "towers"},
-      {"calibration --placements 2 --stones 1 --repeats 1 --generated 2 --scans none", "generated"}};
+      {"calibration --placements 2 --stones 1 --repeats 1 --generated 2 --scans none", "generated"},
+      {"push --pushes 3 --cell mild", "pushes by how far the stone was to move"}};
   for (const auto& [arguments, table] : tables) {
     const Outcome bench = run(arguments + " --json --seed 3");
     ASSERT_EQ(bench.code, 0) << arguments << bench.err;
