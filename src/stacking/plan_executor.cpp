@@ -253,11 +253,11 @@ ExecutionResult PlanExecutor::follow_slowly(const PlanStep& step, const JointPat
   return follow(actual);
 }
 
-std::optional<JointPath> PlanExecutor::path_from_here(const PlanStep& step) const {
+std::optional<JointPath> PlanExecutor::path_from_here(const PlanStep& step, double share) const {
   const Joints q = cell.arm.state().q;
   const JointPath& route = step.trajectory.q;
   const Eigen::Vector3d p_R_shift =
-      cell.layout.T_W_R.linear().transpose() * (tip(route.back()) - tip(route.front()));
+      share * (cell.layout.T_W_R.linear().transpose() * (tip(route.back()) - tip(route.front())));
   return straight_path(scene.robot, scene.T_F_T, q,
                        Eigen::Translation3d(p_R_shift) * forward(scene.robot, q) * scene.T_F_T);
 }
@@ -281,8 +281,8 @@ ExecutionResult PlanExecutor::push(const PlanStep& step, bool* resisted) const {
   return {Status::kStopped, moved.force, step.name + ": " + moved.reason};
 }
 
-ExecutionResult PlanExecutor::follow_from_here(const PlanStep& step) const {
-  const auto path = path_from_here(step);
+ExecutionResult PlanExecutor::follow_from_here(const PlanStep& step, double share) const {
+  const auto path = path_from_here(step, share);
   if (!path) return {Status::kStopped, 0.0, step.name + ": no straight path from where the arm stands"};
   return follow_slowly(step, *path);
 }

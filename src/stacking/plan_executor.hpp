@@ -72,13 +72,14 @@ struct PlanExecutor {
   /// Moves the closed gripper straight on as far as the step does, from where the arm stands, until more
   /// resists than the step's threshold; `resisted` is true then.
   [[nodiscard]] ExecutionResult push(const PlanStep& step, bool* resisted) const;
-  /// Follows a straight step from where the arm stands: as far, and in the same direction.
-  [[nodiscard]] ExecutionResult follow_from_here(const PlanStep& step) const;
+  /// Follows a straight step, or that share of it, from where the arm stands: as far, and in the same
+  /// direction.
+  [[nodiscard]] ExecutionResult follow_from_here(const PlanStep& step, double share = 1.0) const;
   /// From the arm's measured pose straight to where a straight step began, which it broke off.
   [[nodiscard]] ExecutionResult back_to_start(const PlanStep& step) const;
   /// The straight path of a straight step, displaced to where the arm stands; empty where the arm cannot
   /// follow it.
-  [[nodiscard]] std::optional<JointPath> path_from_here(const PlanStep& step) const;
+  [[nodiscard]] std::optional<JointPath> path_from_here(const PlanStep& step, double share = 1.0) const;
   /// Follows a straight path slowly.
   [[nodiscard]] ExecutionResult follow_slowly(const PlanStep& step, const JointPath& path) const;
 };

@@ -17,6 +17,7 @@ namespace {
 constexpr double kOnPath = 0.05;    // rad, of a joint: further away the path says nothing about what is free
 constexpr double kPathStep = 0.01;  // rad, between points of the way back
 constexpr double kSampleTime = 0.02;     // s, between the points that are compared with where the arm stands
+constexpr double kSmallShare = 0.02;     // of a step that is as good as done
 constexpr double kTakeBackSpeed = 0.25;  // m/s, of the tool; of reduced speed in ISO 10218-1
 
 using Kind = PlanStep::Kind;
@@ -172,16 +173,22 @@ struct Leaving {
     const Joints q = w.cell.arm.state().q;
     const OnPath at = nearest_on(plan.steps, q);
     if (at.distance > kOnPath || at.step->kind == Kind::kTransit) return;
-    JointPath out{q};
     if (at.step->kind == Kind::kRetreat) {
-      append(out, *at.step, at.time, at.step->trajectory.duration());
+      // From where the arm stands: a stone that was felt early was left before the planned place.
+      intend(concat("leave ", stone));
+      double left = 1.0 - at.time / at.step->trajectory.duration();
+      for (std::size_t k = index(at); k < plan.steps.size() && plan.steps[k].kind == Kind::kRetreat; ++k) {
+        if (left > kSmallShare) check(executor.follow_from_here(plan.steps[k], left));
+        left = 1.0;
+      }
     } else {
+      JointPath out{q};
       append(out, *at.step, at.time, 0.0);
       for (std::size_t k = index(at);
            k-- > 0 && (plan.steps[k].kind == Kind::kApproach || plan.steps[k].kind == Kind::kDescent);)
         append(out, plan.steps[k], plan.steps[k].trajectory.duration(), 0.0);
+      follow(concat("leave ", stone), out);
     }
-    follow(concat("leave ", stone), out);
     executor.open(plan.steps.back());
   }
 };

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "motion/timing.hpp"
 #include "stacking/heard.hpp"
 #include "stacking/journal.hpp"
 #include "stacking/mortal_devices.hpp"
@@ -203,6 +204,64 @@ TEST(PushFree, ARunThatEndsInTheMidstOfAPushGoesOn) {
   ASSERT_THROW(perform(false, &result), test::Killed);
   perform(true, &result);
   EXPECT_EQ(result.height, 1) << result.ended << "\n" << test::words(result.events, bench.catalogue);
+}
+
+/// Ends the program half way up from a pushed stone; afterwards keeps the first motion.
+struct RisingArm : test::MortalArm {
+  const Journal& journal;
+  bool dies;
+  JointPath first;
+  RisingArm(Arm& a, const Journal& j, bool mortal) : MortalArm(a), journal(j), dies(mortal) {
+    before = after = [] {};
+  }
+  MotionResult follow(const JointTrajectory& t) override {
+    if (!dies && first.empty()) first = {t.q.front(), t.q.back()};
+    if (!dies || journal.step().rfind("rise", 0) != 0) return MortalArm::follow(t);
+    const RobotModel robot = read_robot("ur10");
+    const TimingLimits limits = timing_limits(robot, MotionOptions());
+    (void)arm.follow(
+        time_path({t.q.front(), sample(t, 0.5 * t.duration()).q}, limits, robot, CellLayout().T_F_T));
+    throw test::Killed();
+  }
+};
+
+TEST(PushFree, ARunThatEndsHalfWayUpFromAPushGoesStraightOnUp) {
+  const Blocked bench;
+  ASSERT_TRUE(bench.found);
+  const std::string folder = test::temporary_folder() + "killed_rise";
+  JointPath first;
+  for (const bool goes_on : {false, true}) {
+    SimulationOptions world_options;
+    world_options.seed = 7;
+    SimulatedCell world(bench.catalogue.stones, {bench.stone.stone}, bench.robot, bench.layout, world_options,
+                        goes_on ? folder : std::string());
+    if (!goes_on) world.place(bench.stone.stone, bench.stone.T_W_O);
+    world.keep_in(folder);
+    Journal journal(folder + "/journal.jsonl");
+    const Cell devices = world.cell();
+    RisingArm arm(devices.arm, journal, !goes_on);
+    Cell cell{arm, devices.gripper, devices.force_torque, devices.camera, devices.clock, devices.layout};
+    BuildOptions options;
+    options.search.horizon = 1;
+    BuildHooks hooks;
+    hooks.journal = &journal;
+    if (!goes_on) {
+      ASSERT_THROW((void)build_resumable(cell, bench.catalogue, bench.robot, options, hooks, folder, false),
+                   test::Killed);
+      continue;
+    }
+    const RunResult result =
+        build_resumable(cell, bench.catalogue, bench.robot, options, hooks, folder, true);
+    EXPECT_EQ(result.height, 1) << result.ended;
+    first = arm.first;
+  }
+  ASSERT_EQ(first.size(), 2U);
+  const auto tip = [&](const Joints& q) -> Eigen::Vector3d {
+    return (forward(bench.robot, q) * bench.layout.T_F_T).translation();
+  };
+  const Eigen::Vector3d moved = tip(first[1]) - tip(first[0]);
+  EXPECT_LT(moved.head<2>().norm(), 0.003) << "not over to where the plan would have it rise";
+  EXPECT_GT(moved.z(), 0.02);
 }
 
 }  // namespace

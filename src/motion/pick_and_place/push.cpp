@@ -29,7 +29,8 @@ constexpr double kBehindMost = 0.15;     ///< from its centre of mass [m]
 /// On the way down, from the stone and everything else [m]; the first is more than the arm and what was seen
 /// err by together.
 constexpr std::array kClearances{0.008, 0.004, 0.002};
-constexpr std::array kPastStone{0.025, 0.015, 0.008, 0.0};  ///< that the stone is sought past its place [m]
+/// Ways on which the stone is sought from there [m]; the first leads some 15 mm past where it was seen.
+constexpr std::array kSought{0.025, 0.015, 0.008, 0.0};
 constexpr double kUpStep = 0.01;          ///< between places from where a free way up is asked for [m]
 constexpr std::array kAbove{0.12, 0.08};  ///< straight down and up again [m]
 constexpr std::array kPastMiddle{0.0, 0.015, -0.015};  ///< aside, of the line of the push [m]
@@ -122,23 +123,23 @@ class PushPlanner {
            inverse(scene_.robot, scene_.T_W_R.inverse() * T_W_T * scene_.T_F_T.inverse(), task_.q_start)) {
         if (among.collides(solution.q)) continue;
         found = true;
-        for (const double past : kPastStone)
-          if (auto paths = plan_from(R_W_T, behind, past, solution.q, among, fault)) return paths;
+        for (const double sought : kSought)
+          if (auto paths = plan_from(R_W_T, behind, sought, solution.q, among, fault)) return paths;
       }
       if (found) return std::nullopt;  // further behind is no better
     }
     return std::nullopt;
   }
 
-  /// `past`: how far beyond its place the stone is sought.
-  [[nodiscard]] std::optional<Paths> plan_from(const Eigen::Matrix3d& R_W_T, double behind, double past,
+  /// `sought`: length of the way on which the stone is sought.
+  [[nodiscard]] std::optional<Paths> plan_from(const Eigen::Matrix3d& R_W_T, double behind, double sought,
                                                const Joints& q_behind, const CollisionChecker& among,
                                                std::string* fault) const {
     throw_if_interrupted();
-    const double length = task_.p_W_shift.norm(), latest = past - behind, far = latest + length;
+    const double length = task_.p_W_shift.norm(), latest = sought - behind, far = latest + length;
     *fault = "no straight push is free";
     auto up_to_it =
-        past > 0 ? straight(q_behind, tool(R_W_T, latest, 0.0)) : std::optional(JointPath{q_behind});
+        sought > 0 ? straight(q_behind, tool(R_W_T, latest, 0.0)) : std::optional(JointPath{q_behind});
     if (!up_to_it || !is_free(pushing_, *up_to_it)) return std::nullopt;
     auto push = straight(up_to_it->back(), tool(R_W_T, far, 0.0));
     if (!push || !is_free(pushing_, *push)) return std::nullopt;
@@ -148,12 +149,12 @@ class PushPlanner {
     for (const double above : kAbove) {
       auto down = straight(q_behind, tool(R_W_T, -behind, above));
       if (!down || !is_free(among, *down) || opened_.collides(down->back())) continue;
-      auto up = way_up(R_W_T, *off, far - kBackOff, past, above);
+      auto up = way_up(R_W_T, *off, far - kBackOff, sought, above);
       if (!up) continue;
       std::reverse(down->begin(), down->end());
       Paths paths;
       paths.down = *std::move(down);
-      paths.up_to_it = past > 0 ? *std::move(up_to_it) : JointPath{};
+      paths.up_to_it = sought > 0 ? *std::move(up_to_it) : JointPath{};
       paths.push = *std::move(push);
       paths.off = *std::move(off);
       paths.up = *std::move(up);
@@ -164,11 +165,11 @@ class PushPlanner {
   }
 
   /// Up by `above` from the end of `off`, which is `along` the push, if that is free there and from up to
-  /// `past` nearer, where a stone that was felt early is left.
+  /// `sought` nearer, where a stone that was felt early is left.
   [[nodiscard]] std::optional<JointPath> way_up(const Eigen::Matrix3d& R_W_T, const JointPath& off,
-                                                double along, double past, double above) const {
+                                                double along, double sought, double above) const {
     std::optional<JointPath> up;
-    for (double nearer = 0.0; nearer <= past; nearer += kUpStep) {
+    for (double nearer = 0.0; nearer <= sought; nearer += kUpStep) {
       const auto from = straight(off.back(), tool(R_W_T, along - nearer, 0.0));
       if (!from) return std::nullopt;
       auto path = straight(from->back(), tool(R_W_T, along - nearer, above));
