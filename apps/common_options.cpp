@@ -8,6 +8,25 @@
 
 namespace stonestack::apps {
 
+void add_structure(CLI::App& command, std::string& wall, Settings* settings) {
+  CLI::Option* of_wall = command.add_option("--wall,--target", wall,
+                                            "Build a wall: stones a course (4+3+2+1), metres x courses "
+                                            "(0.8x3), or a target file (.yaml): a wall or "
+                                            "spans");
+  CLI::Option* of_bridge = command.add_option(
+      "--bridge", wall, "Build a bridge: stones over a gap of so many metres in which nothing stands");
+  of_bridge->transform(CLI::Validator(
+      [](std::string& span) {
+        span.insert(0, "bridge:");
+        return std::string();
+      },
+      ""));
+  of_bridge->excludes(of_wall)->type_name("METRES");
+  if (settings == nullptr) return;
+  settings->bind(of_wall, "run.wall");
+  settings->bind(of_bridge, "run.wall");
+}
+
 CLI::Option* add_path(CLI::App& command, const std::string& name, std::string& value,
                       const std::string& description, const std::string& type) {
   return command.add_option(name, value, description)->type_name(type);

@@ -76,6 +76,9 @@ Subcommand<Values> add_subcommand(CLI::App& app, const std::string& name, const 
   });
   return {*sub, *values};
 }
+/// Adds --wall and --bridge, which name what is built instead of a tower.
+/// @param settings binds them to the option `run.wall`; may be null
+void add_structure(CLI::App& command, std::string& wall, Settings* settings);
 /// Adds an option that takes a path, or whatever else `type` names in the help.
 CLI::Option* add_path(CLI::App& command, const std::string& name, std::string& value,
                       const std::string& description, const std::string& type = "FILE");

@@ -153,11 +153,7 @@ void add_run(CLI::App& app) {
           ->check(CLI::IsMember({"default", "paper"}))
           ->capture_default_str(),
       "search.method");
-  command.common.settings.bind(
-      sub.add_option(
-          "--wall", build.wall,
-          "Build a wall: stones a course (3+2+1), metres x courses (0.8x3), or a target file (.yaml)"),
-      "run.wall");
+  add_structure(sub, build.wall, &command.common.settings);
   command.common.settings.bind(
       flag("--unseen", build.unseen,
            "The stones are in no catalogue: model them with the arm's camera first, then build"),
@@ -180,6 +176,7 @@ void add_run(CLI::App& app) {
       "  stonestack run --robot ur10 --seed 7 --per-run 6 --json > result.json\n"
       "  stonestack run --cell loopback-ur10\n"
       "  stonestack run --robot ur10 --per-run 6 --wall 3+2+1\n"
+      "  stonestack run --robot ur10 --per-run 5 --bridge 0.08\n"
       "  stonestack run --robot ur10 --unseen --save-catalogue my_stones\n"
       "  stonestack run --robot ur10 --cell my_lab.yaml --dry-run\n"
       "  stonestack run --robot ur10 --cell my_lab.yaml --execute --slow --step\n"

@@ -31,7 +31,7 @@ void check(const SearchCommand& command) {
   if (!task.wall.empty()) {
     (void)read_wall_target(task.wall);
     require(task.search.method == "default" && task.levels == 1,
-            "--wall goes with neither --levels nor --method paper");
+            "--wall, --bridge and --target go with neither --levels nor --method paper");
   }
   if (!task.scene.empty()) require_readable(task.scene);
   if (!task.robot.empty()) (void)read_robot(task.robot);
@@ -51,7 +51,8 @@ SceneSearch search_in_time(const SceneSearchTask& task) {
 }
 
 void write_outputs(const SearchCommand& command, const SceneSearch& found) {
-  const auto tower = planned_tower(found);
+  std::vector<PlacedStone> shown = found.supports;
+  for (const PlacedStone& placed : planned_tower(found)) shown.push_back(placed);
   if (found.trace && !command.trace.empty()) {
     const std::string path = command.trace + "/candidates.json";
     write_file(path, search_trace_json(found));
@@ -62,7 +63,7 @@ void write_outputs(const SearchCommand& command, const SceneSearch& found) {
     log_info("wrote " + command.out);
   }
   if (!command.picture.empty()) {
-    draw_tower(command.picture, found.catalogue, tower, found.start.problem.site);
+    draw_tower(command.picture, found.catalogue, shown, found.start.problem.site);
     log_info("wrote " + command.picture);
   }
 }
@@ -90,7 +91,9 @@ void search(SearchCommand& command) {
     log_info(concat("the clock may have ended it (--budget ", task.search.budget,
                     "): another run may find something else"));
   if (found.wall && !found.reason.empty())
-    log_warning(concat(levels, " of ", found.wall->metrics.asked, " stones: ", found.reason));
+    log_warning(found.wall->metrics.asked > 0
+                    ? concat(levels, " of ", found.wall->metrics.asked, " stones: ", found.reason)
+                    : concat("not all that was asked for: ", found.reason));
   if (!found.wall && static_cast<int>(levels) < task.levels)
     log_warning(concat(levels, " of ", task.levels, " levels: ", found.reason));
 }
@@ -112,9 +115,7 @@ void add_search(CLI::App& app) {
   sub.add_flag("--world", task.world, "The cloud is in the world frame (z up, table at z = 0)");
   sub.add_option("--stones", task.stones,
                  "Stones to plan with when there is no scene: names, comma-separated, or all");
-  sub.add_option(
-      "--wall", task.wall,
-      "Plan a wall: stones a course (4+3+2+1), metres x courses (0.8x3), or a target file (.yaml)");
+  add_structure(sub, task.wall, nullptr);
   sub.add_option(
       "--site", task.site,
       "Where the tower stands, x,y in metres (default: the cell's site; for a cloud alone where one "
@@ -151,6 +152,7 @@ void add_search(CLI::App& app) {
       "  stonestack search scene.yaml --robot ur10 --json > next.json    # for stonestack plan --search\n"
       "  stonestack search --stones all --wall 3+2 --friction 0.3 --picture wall.png --out wall.yaml\n"
       "  stonestack search scene.yaml --wall 2+1 --robot ur10    # a wall that the arm can build\n"
+      "  stonestack search --stones all --bridge 0.08 --friction 0.3 --picture bridge.png\n"
       "  stonestack search scene.ply                # a cloud alone: on the tower in view, or the best "
       "place\n"
       "A cloud without --camera-pose is taken as in the camera's frame, and the table that is seen becomes z "

@@ -18,11 +18,11 @@ void set_up(CLI::App& app) {
       "  stonestack-bench kinematics\n"
       "  stonestack-bench detection --scenes 100 --methods default,paper --json");
   for (const auto add :
-       {add_detection, add_segmentation, add_search, add_calibration, add_equilibrium, add_kinematics,
-        add_grasp,     add_hold,         add_rest,   add_motion,      add_collision,   add_cartesian,
-        add_timing,    add_descent,      add_rtde,   add_results,     add_site,        add_structures,
-        add_walls,     add_problems,     add_solve,  add_score,       add_grippers,    add_modelling,
-        add_schedule,  add_soak,         add_resume, add_push})
+       {add_detection, add_segmentation, add_search,   add_calibration, add_equilibrium, add_kinematics,
+        add_grasp,     add_hold,         add_rest,     add_motion,      add_collision,   add_cartesian,
+        add_timing,    add_descent,      add_rtde,     add_results,     add_site,        add_structures,
+        add_walls,     add_tasks,        add_problems, add_solve,       add_score,       add_grippers,
+        add_modelling, add_schedule,     add_soak,     add_resume,      add_push})
     add(app);
 }
 

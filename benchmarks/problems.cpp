@@ -1,6 +1,6 @@
 // StoneBench: fixed problems of stacking irregular stones, and one scorer for the answers of any planner. A
-// problem names stones of a catalogue of generated limestones and asks for a tower or a wall of them; an
-// answer lists placements. Both engines judge it with exact placement.
+// problem names stones of a catalogue of generated limestones and asks for a tower, a wall or a bridge of
+// them; an answer lists placements. Both engines judge it with exact placement.
 #include "problems.hpp"
 
 #include <filesystem>
@@ -11,6 +11,7 @@
 #include "geometry/json_file.hpp"
 #include "geometry/pose_json.hpp"
 #include "ode_witness.hpp"
+#include "span_check.hpp"
 #include "stone_draws.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
@@ -30,17 +31,22 @@ using nlohmann::json;
 constexpr const char* kProblemsSchema = "stonestack.problems/1";
 constexpr double kDeepest = 0.002;     // m that stones of an answer may overlap
 constexpr double kSupportGap = 0.001;  // m: nearer is a contact
+constexpr double kInTheWay = 0.002;    // m that a stone may reach into what is kept clear below a bridge
 constexpr double kUnitNorm = 1e-3;     // by which the norm of a quaternion may be off
 
-/// A problem: a tower of so many stones, or a wall.
+/// A problem: a tower of so many stones, a wall, or a bridge.
 struct Problem {
   std::string name;
-  int levels = 0;            ///< of a tower; 0: a wall
-  std::vector<int> courses;  ///< of a wall
+  int levels = 0;            ///< of a tower; else 0
+  std::vector<int> courses;  ///< of a wall; else empty
+  double span = 0.0;         ///< of a bridge [m], about the origin along x; else 0
   double friction = 0.3;
   std::vector<std::string> stones;
 
-  [[nodiscard]] bool is_wall() const { return levels == 0; }
+  [[nodiscard]] bool is_tower() const { return levels > 0; }
+  [[nodiscard]] bool is_bridge() const { return span > 0.0; }
+  [[nodiscard]] const char* kind() const { return is_tower() ? "tower" : is_bridge() ? "bridge" : "wall"; }
+  /// Stones of a tower or a wall; a bridge takes as many as it needs.
   [[nodiscard]] int asked() const {
     int sum = levels;
     for (const int count : courses) sum += count;
@@ -50,10 +56,12 @@ struct Problem {
 
 json to_json_entry(const Problem& problem) {
   json entry = {{"name", problem.name}, {"friction", problem.friction}, {"stones", problem.stones}};
-  if (problem.is_wall())
-    entry["courses"] = problem.courses;
-  else
+  if (problem.is_tower())
     entry["levels"] = problem.levels;
+  else if (problem.is_bridge())
+    entry["span"] = problem.span;
+  else
+    entry["courses"] = problem.courses;
   return entry;
 }
 
@@ -70,8 +78,10 @@ std::vector<Problem> read_problems(const std::string& folder) {
       problem.friction = entry.at("friction").get<double>();
       problem.stones = entry.at("stones").get<std::vector<std::string>>();
       if (entry.contains("courses")) problem.courses = entry.at("courses").get<std::vector<int>>();
-      if (problem.courses.empty()) problem.levels = entry.at("levels").get<int>();
-      if (!is_stone_name(problem.name) || problem.asked() < 1 || !(problem.friction > 0.0))
+      if (entry.contains("span")) problem.span = entry.at("span").get<double>();
+      if (problem.courses.empty() && !entry.contains("span")) problem.levels = entry.at("levels").get<int>();
+      if (!is_stone_name(problem.name) || (problem.asked() < 1 && !(problem.span > 0.0)) ||
+          !(problem.friction > 0.0))
         throw FileError(path, concat("has the impossible problem '", problem.name, "'"),
                         "make it with `stonestack-bench problems`");
       problems.push_back(std::move(problem));
@@ -85,18 +95,17 @@ std::vector<Problem> read_problems(const std::string& folder) {
 
 /// Kinds of problems, in turn: what is asked for, how many stones there are beyond that, and the friction.
 struct Kind {
-  const char* name;
   int levels;
   std::vector<int> courses;
+  double span;
   int spare;
   double friction;
 };
 const std::vector<Kind>& kinds() {
-  static const std::vector<Kind> list = {{"tower", 4, {}, 0, 0.1}, {"wall", 0, {2, 1}, 0, 0.3},
-                                         {"tower", 4, {}, 2, 0.3}, {"wall", 0, {3, 2, 1}, 0, 0.3},
-                                         {"tower", 6, {}, 0, 0.3}, {"wall", 0, {3, 2, 1}, 2, 0.5},
-                                         {"tower", 6, {}, 2, 0.5}, {"wall", 0, {4, 3, 2, 1}, 2, 0.3},
-                                         {"tower", 8, {}, 2, 0.5}, {"wall", 0, {5, 4, 3}, 4, 0.5}};
+  static const std::vector<Kind> list = {
+      {4, {}, 0.0, 0, 0.1},  {0, {2, 1}, 0.0, 0, 0.3}, {4, {}, 0.0, 2, 0.3},  {0, {3, 2, 1}, 0.0, 0, 0.3},
+      {0, {}, 0.08, 5, 0.3}, {6, {}, 0.0, 2, 0.5},     {0, {}, 0.12, 8, 0.5}, {0, {4, 3, 2, 1}, 0.0, 2, 0.3},
+      {8, {}, 0.0, 2, 0.5},  {0, {}, 0.2, 10, 0.5}};
   return list;
 }
 
@@ -120,7 +129,8 @@ void write_problems(const ProblemsOptions& options, Results& results) {
     const Kind& kind = kinds()[static_cast<std::size_t>(k) % kinds().size()];
     std::string number = std::to_string(k + 1);
     number.insert(0, number.size() < 3 ? 3 - number.size() : 0, '0');
-    Problem problem{concat(kind.name, "-", number), kind.levels, kind.courses, kind.friction, {}};
+    Problem problem{"", kind.levels, kind.courses, kind.span, kind.friction, {}};
+    problem.name = concat(problem.kind(), "-", number);
     std::vector<std::size_t> order(catalogue.stones.size());
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
     random.shuffle(order.begin(), order.end());
@@ -128,7 +138,7 @@ void write_problems(const ProblemsOptions& options, Results& results) {
     require(wanted <= order.size(), "problem ", problem.name, " needs ", wanted, " stones; give --stones ",
             wanted, " or more");
     for (std::size_t i = 0; i < wanted; ++i) problem.stones.push_back(catalogue.stones[order[i]].name);
-    ++counts[kind.name];
+    ++counts[problem.kind()];
     list.push_back(to_json_entry(problem));
   }
   write_file(options.out + "/problems.json",
@@ -149,6 +159,14 @@ Pool read_pool(const std::string& folder) {
   return pool;
 }
 
+/// Target of a wall or a bridge; below a bridge is kept clear as much as `read_wall_target` says.
+WallTarget target_of(const Problem& problem) {
+  if (problem.is_bridge()) return read_wall_target(concat("bridge:", problem.span));
+  WallTarget target;
+  target.courses = problem.courses;
+  return target;
+}
+
 struct SolveOptions {
   std::string folder, out, method = "default";
   SearchOptions search = search_without_robot();
@@ -163,10 +181,9 @@ std::vector<Placement> solve_one(const SolveOptions& options, const Pool& pool, 
   SearchOptions of_problem = options.search;
   of_problem.method = options.method;
   of_problem.friction = problem.friction;
-  if (!problem.is_wall()) return plan_tower(search, problem.levels, of_problem).placements;
-  if (options.method == "paper") return {};  // it knows no walls
-  WallTarget target;
-  target.courses = problem.courses;
+  if (problem.is_tower()) return plan_tower(search, problem.levels, of_problem).placements;
+  if (options.method == "paper") return {};  // it knows neither walls nor bridges
+  const WallTarget target = target_of(problem);
   std::vector<Placement> placements;
   for (const WallPlacement& next : plan_wall(search, target, of_problem).placements)
     placements.push_back(next.placement);
@@ -250,6 +267,28 @@ std::vector<int> courses_of(const Pool& pool, const Stack& stones) {
   return courses;
 }
 
+/// The stones that touch each other, directly or through others, and the table on both sides of the origin;
+/// empty if there are none.
+Stack bridging_stones(const Pool& pool, const Stack& stones) {
+  const std::vector<Contact> contacts = geometric_contacts(pool.shapes, stones, kSupportGap);
+  std::vector<std::size_t> group(stones.stones.size());
+  for (std::size_t k = 0; k < group.size(); ++k) group[k] = k;
+  for (const Contact& contact : contacts) {
+    if (contact.below == kTable) continue;
+    const std::size_t joined = group[static_cast<std::size_t>(contact.below)];
+    const std::size_t other = group[static_cast<std::size_t>(contact.above)];
+    std::replace(group.begin(), group.end(), other, joined);
+  }
+  std::vector<bool> left(group.size(), false), right(group.size(), false);
+  for (const Contact& contact : contacts)
+    if (contact.below == kTable)
+      (contact.p_W.x() < 0.0 ? left : right)[group[static_cast<std::size_t>(contact.above)]] = true;
+  Stack bridging;
+  for (std::size_t k = 0; k < group.size(); ++k)
+    if (left[group[k]] && right[group[k]]) bridging.stones.push_back(stones.stones[k]);
+  return bridging;
+}
+
 /// Verdict on an answer.
 struct Score {
   double score = 0.0;       ///< share of what was asked for
@@ -268,14 +307,27 @@ Score score_one(const Problem& problem, const Pool& pool, const Answer& answer) 
   in_ode.friction = problem.friction;
   score.ode = stand_in_ode(pool.shapes, answer.stones, in_ode).standing;
   const auto placed = static_cast<int>(answer.stones.stones.size());
-  score.bullet = problem.is_wall() && in_bullet.stands ? placed : in_bullet.standing;
+  score.bullet = !problem.is_tower() && in_bullet.stands ? placed : in_bullet.standing;
   if (score.bullet < placed) score.note = in_bullet.reason;
-  if (!problem.is_wall()) {
+  if (problem.is_tower()) {
     const int height = std::min({score.bullet, score.ode, problem.levels});
     score.score = static_cast<double>(height) / problem.levels;
     return score;
   }
-  if (std::min(score.bullet, score.ode) < placed) return score;  // a wall stands whole or not
+  if (std::min(score.bullet, score.ode) < placed) return score;  // walls and bridges stand whole or not
+  if (problem.is_bridge()) {
+    const Span span = target_of(problem).task->spans.front();
+    const SpanCheck all = check_span(pool.shapes, answer.stones, Pose::Identity(), span);
+    if (all.in_the_way >= kInTheWay) {
+      score.note = "a stone stands in the gap";
+      return score;
+    }
+    score.score =
+        check_span(pool.shapes, bridging_stones(pool, answer.stones), Pose::Identity(), span).covered;
+    if (score.score < 1.0)
+      score.note = concat(std::lround(1e2 * score.score), " % of the gap is spanned from both sides");
+    return score;
+  }
   const std::vector<int> courses = courses_of(pool, answer.stones);
   int counted = 0;
   for (std::size_t k = 0; k < problem.courses.size(); ++k)
@@ -307,7 +359,7 @@ void score_all(const ScoreOptions& options, Results& results) {
     const Answer answer = read_answer(concat(options.answers, "/", problem.name, ".json"), problem, pool);
     const Score score = score_one(problem, pool, answer);
     results.row({problem.name, score.score, score.bullet, score.ode, score.note});
-    for (const std::string& kind : {std::string(problem.is_wall() ? "wall" : "tower"), std::string("all")}) {
+    for (const std::string& kind : {std::string(problem.kind()), std::string("all")}) {
       Sum& sum = sums[kind];
       ++sum.problems;
       sum.whole += score.score >= 1.0 ? 1 : 0;
@@ -343,7 +395,7 @@ void add_solve(CLI::App& app) {
   CLI::App* sub = app.add_subcommand("solve", "StoneBench: answer the problems with this library");
   sub->add_option("FOLDER", options->folder, "Folder of the problems")->required();
   sub->add_option("--out", options->out, "Folder for the answers")->required();
-  sub->add_option("--method", options->method, "default, or paper, which knows no walls")
+  sub->add_option("--method", options->method, "default, or paper, which knows neither walls nor bridges")
       ->check(CLI::IsMember({"default", "paper"}))
       ->capture_default_str();
   sub->footer("Example:\n  stonestack-bench solve stonebench --out answers");

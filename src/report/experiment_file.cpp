@@ -113,6 +113,10 @@ WallMetrics wall_of(const json& map, const std::string& path) {
                                     {"flatness_m", &wall.flatness},
                                     {"margin_g", &wall.margin}})
     *number = number_of(map, key, 0.0, 1e9, path);
+  if (map.contains("to_span_m")) {  // older files have none
+    wall.spanned = number_of(map, "spanned_m", 0.0, 1e9, path);
+    wall.to_span = number_of(map, "to_span_m", 0.0, 1e9, path);
+  }
   return wall;
 }
 

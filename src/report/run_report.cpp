@@ -95,7 +95,7 @@ std::string within_script(const std::string& text) {
 }
 
 std::string summary(const RunReport& report) {
-  std::string text = format("%s of %d of %d stones; ended: ", report.result.wall ? "wall" : "tower",
+  std::string text = format("%s of %d of %d stones; ended: ", structure_name(report.result.wall),
                             report.result.height, static_cast<int>(report.present.size())) +
                      report.result.ended + "\n";
   if (report.result.wall) text += wall_figures_text(*report.result.wall) + "\n";
@@ -227,8 +227,10 @@ std::string cell_page(const std::string& title, const std::string& text, const s
 }
 
 std::string run_html(const RunReport& report, const Catalogue& catalogue, const RobotModel& robot) {
-  return page_html(format("%s of %d", report.result.wall ? "Wall" : "Tower", report.result.height),
-                   run_table(report), page_data(report, catalogue, robot, picture_uri(report)));
+  std::string title = structure_name(report.result.wall);
+  title.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(title.front())));
+  return page_html(format("%s of %d", title.c_str(), report.result.height), run_table(report),
+                   page_data(report, catalogue, robot, picture_uri(report)));
 }
 
 std::vector<DrawnMesh> drawn_stones(const Catalogue& catalogue, const std::vector<PlacedStone>& stones) {

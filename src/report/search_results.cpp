@@ -43,8 +43,20 @@ json wall_json(const WallPlan& plan) {
   return figures;
 }
 
+/// Blocks of the target that were there before anything was built.
+json supports_json(const SceneSearch& found) {
+  json list = json::array();
+  for (const PlacedStone& block : found.supports) {
+    const Eigen::Vector3d size = bounds(found.catalogue[block.stone].mesh).sizes();
+    json entry = placed_json(found.catalogue, block.stone, block.T_W_O);
+    entry["size"] = {size.x(), size.y(), size.z()};
+    list.push_back(entry);
+  }
+  return list;
+}
+
 /// The stones in the order in which they are built, with what each rests on.
-std::string wall_table(const Catalogue& catalogue, const WallPlan& plan) {
+std::string wall_table(const Catalogue& catalogue, const WallPlan& plan, const char* bottom) {
   std::string text = format("%-20s %6s %6s   %-24s position (m)\n", "stone", "course", "p(ok)", "rests on");
   for (const WallPlacement& next : plan.placements) {
     std::string below;
@@ -52,10 +64,10 @@ std::string wall_table(const Catalogue& catalogue, const WallPlan& plan) {
       below += (below.empty() ? "" : ", ") +
                name_of(catalogue, plan.placements[static_cast<std::size_t>(k)].placement.stone);
     const Eigen::Vector3d p = next.placement.T_W_O.translation();
-    text += format("%-20s %6d %6.2f   %-24s %7.4f %7.4f %7.4f\n",
-                   name_of(catalogue, next.placement.stone).c_str(), next.course + 1,
-                   next.placement.predicted_success, below.empty() ? "the table" : below.c_str(), p.x(),
-                   p.y(), p.z());
+    text +=
+        format("%-20s %6d %6.2f   %-24s %7.4f %7.4f %7.4f\n",
+               name_of(catalogue, next.placement.stone).c_str(), next.course + 1,
+               next.placement.predicted_success, below.empty() ? bottom : below.c_str(), p.x(), p.y(), p.z());
   }
   return text;
 }
@@ -145,6 +157,7 @@ std::string search_json(const SceneSearch& found, int seed, const std::string& n
                  {"repeatable", found.repeatable},
                  {"seed", seed}};
   if (found.wall) result["wall"] = wall_json(*found.wall);
+  if (!found.supports.empty()) result["supports"] = supports_json(found);
   return document(result);
 }
 
@@ -160,7 +173,8 @@ std::string search_text(const SceneSearch& found, const std::string& next) {
     text += "\nstack  " + start.site_text + "\n";
   }
   if (found.wall) {
-    text += wall_table(found.catalogue, *found.wall) + wall_text(*found.wall);
+    text += wall_table(found.catalogue, *found.wall, found.supports.empty() ? "the table" : "a support") +
+            wall_text(*found.wall);
     return next.empty() ? text : text + "next   " + next + "\n";
   }
   text += format("%-20s %8s %6s %10s   position (m)\n", "stone", "cost", "p(ok)", "area (cm2)");

@@ -37,6 +37,8 @@ template <class... Values>
   return {{"stone", name_of(catalogue, stone)}, {"T_W_O", pose_json(T_W_O)}};
 }
 
+/// Kind of structure: "tower", "wall" or "bridge".
+[[nodiscard]] const char* structure_name(const std::optional<WallMetrics>& wall);
 /// Figures of a wall as JSON.
 [[nodiscard]] nlohmann::json wall_figures(const WallMetrics& metrics);
 /// Text of the figures in lines; the last has no line end.

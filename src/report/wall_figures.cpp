@@ -2,16 +2,27 @@
 
 namespace stonestack::report {
 
+const char* structure_name(const std::optional<WallMetrics>& wall) {
+  if (!wall) return "tower";
+  return wall->to_span > 0.0 ? "bridge" : "wall";
+}
+
 nlohmann::json wall_figures(const WallMetrics& m) {
-  return {{"placed", m.placed},       {"asked", m.asked},    {"length_m", m.length},
-          {"height_m", m.height},     {"width_m", m.width},  {"fill", m.fill},
-          {"face", m.face},           {"joints", m.joints},  {"open_joints", m.open_joints},
-          {"flatness_m", m.flatness}, {"margin_g", m.margin}};
+  return {{"placed", m.placed},       {"asked", m.asked},     {"length_m", m.length},
+          {"height_m", m.height},     {"width_m", m.width},   {"fill", m.fill},
+          {"face", m.face},           {"joints", m.joints},   {"open_joints", m.open_joints},
+          {"flatness_m", m.flatness}, {"margin_g", m.margin}, {"spanned_m", m.spanned},
+          {"to_span_m", m.to_span}};
 }
 
 std::string wall_figures_text(const WallMetrics& m) {
-  std::string text = format("wall   %d", m.placed);
+  std::string text = format("%-6s %d", structure_name(m), m.placed);
   if (m.asked > 0) text += format(" of %d", m.asked);
+  if (m.to_span > 0.0)
+    return text + format(
+                      " stones, %.2f m long, %.2f m high, %.2f m wide; bears %.3f g sideways\n"
+                      "       %.0f of %.0f mm spanned",
+                      m.length, m.height, m.width, m.margin, 1e3 * m.spanned, 1e3 * m.to_span);
   return text +
          format(
              " stones, %.2f m long, %.2f m high, %.2f m wide; bears %.3f g sideways\n"

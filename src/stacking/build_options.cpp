@@ -43,7 +43,8 @@ FieldList fields(BuildOptions& o) {
              user(field("pick_attempts", o.pick_attempts, {1, 10}, "",
                         "tries to pick a stone that the gripper misses or drops")),
              user(field("wall", o.wall,
-                        "wall that is built: stones a course (4+3+2+1), metres x courses (0.8x3) or a target "
+                        "wall that is built: stones a course (4+3+2+1), metres x courses (0.8x3), "
+                        "bridge:METRES or a target "
                         "file; empty: a tower")),
              user(field("unseen", o.unseen,
                         "true: the arm's camera models the stones before it builds; no catalogue is known")),

@@ -147,7 +147,9 @@ bool wall_has_its_stones(const Situation& s) {
 }
 
 Stop wall_stands(const Situation& s) {
-  return {RunEnd::kHeightReached, concat("the wall stands with ", s.arrangement.stack.size(), " stones")};
+  const bool spans = s.models.wall && s.models.wall->task;
+  return {RunEnd::kHeightReached, concat(spans ? "the spans are closed with " : "the wall stands with ",
+                                         s.arrangement.stack.size(), " stones")};
 }
 
 SearchOutcome search_wall(const Situation& s, const RunMemory& memory) {
@@ -209,8 +211,8 @@ WallMetrics measure_wall(const Models& models, const Arrangement& arrangement, c
   problem.shapes = &models.shapes;
   problem.stack.stones = arrangement.stack;
   WallMetrics metrics =
-      search::measure_wall(problem, standing_wall(*memory.wall, arrangement.stack), options);
-  if (models.wall) metrics.asked = stones_of_target(*models.wall);
+      search::measure_wall(problem, *models.wall, standing_wall(*memory.wall, arrangement.stack), options);
+  metrics.asked = stones_of_target(*models.wall);
   return metrics;
 }
 

@@ -38,7 +38,9 @@ struct Records {
             {{"placed", e.wall.placed},
              {"length_m", e.wall.length},
              {"height_m", e.wall.height},
-             {"margin_g", e.wall.margin}}};
+             {"margin_g", e.wall.margin},
+             {"spanned_m", e.wall.spanned},
+             {"to_span_m", e.wall.to_span}}};
   }
   Record operator()(const StoneMoved& e) const {
     return {"moved", {{"stone", name(e.stone)}, {"shift_m", e.shift}}};

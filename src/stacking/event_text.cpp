@@ -27,6 +27,10 @@ struct Words {
   }
   std::string operator()(const WallMeasured& e) const {
     if (e.wall.placed == 0) return "";
+    if (e.wall.to_span > 0.0)
+      return concat("bridge: ", e.wall.placed, " stones, ", std::round(1000 * e.wall.spanned), " of ",
+                    std::round(1000 * e.wall.to_span), " mm spanned, bears ",
+                    std::round(1000 * e.wall.margin) / 1000, " g sideways");
     return concat("wall: ", e.wall.placed, " stones, ", std::round(100 * e.wall.length) / 100, " m long, ",
                   std::round(100 * e.wall.height) / 100, " m high, bears ",
                   std::round(1000 * e.wall.margin) / 1000, " g sideways");

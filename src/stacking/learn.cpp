@@ -377,7 +377,8 @@ RunMemory learn(RunMemory memory, const WorldEstimate& seen, const Models& model
   WorldEstimate without_views = seen;
   without_views.views.reset();
   emit(Observed{std::move(without_views)});
-  if (memory.wall) emit(WallMeasured{measure_wall(models, arrangement, memory, options.search)});
+  if (memory.wall && models.wall)
+    emit(WallMeasured{measure_wall(models, arrangement, memory, options.search)});
   if (!memory.attempt) return memory;
   const Attempt attempt = *std::move(memory.attempt);
   memory.attempt.reset();

@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "physics/shape.hpp"
 #include "search/search_context.hpp"
+#include "search/wall/span_search.hpp"
 #include "stacking/choose_in_wall.hpp"
 #include "stacking/reach.hpp"
 #include "stacking/search_scene.hpp"
@@ -43,6 +45,22 @@ void leave_what_is_too_heavy(const PlanningScene& scene, const Catalogue& catalo
   if (!heavy.empty()) log_info("left where they lie, too heavy: " + heavy);
 }
 
+/// Adds the supports of a task, where they stand, to the catalogue.
+void add_supports(const SpanTask& task, const Pose& T_W_V, SceneSearch& found) {
+  const TaskSupports supports = make_supports(task);
+  for (std::size_t k = 0; k < supports.shapes.size(); ++k) {
+    const ContactShape& shape = *supports.shapes[k];
+    Stone block;
+    block.name = shape.name;
+    block.mesh = block.scan = shape.scan;
+    block.pieces = {shape.scan};
+    block.mass = shape.mass;
+    found.supports.push_back(
+        {StoneIndex(static_cast<int>(found.catalogue.stones.size())), T_W_V * supports.T_V_O[k]});
+    found.catalogue.stones.push_back(std::move(block));
+  }
+}
+
 /// Asks for poses to which the arm can bring the stones from where they lie, in one go.
 void ask_the_arm(const SceneSearchTask& task, const Catalogue& catalogue, SearchProblem& problem) {
   if (task.robot.empty()) return;
@@ -70,6 +88,7 @@ void find(const SceneSearchTask& task, const SearchProblem& problem,
     found.wall = plan_wall(problem, problem.reachable ? wall_for_arm(target) : target, task.search, report);
     for (const WallPlacement& next : found.wall->placements) found.placements.push_back(next.placement);
     found.reason = found.wall->reason;
+    if (target.task) add_supports(*target.task, found.wall->T_W_V, found);
     return;
   }
   if (task.levels > 1) {

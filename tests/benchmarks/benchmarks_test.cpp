@@ -47,7 +47,11 @@ TEST_F(BenchCommand, EveryBenchmarkReportsTablesAsData) {
       {"equilibrium --stacks 2 --stones 2 --generated 3 --scans none --seconds 0.1", "verdicts"},
       {"search --draws 1 --stones 1 --generated 2 --scans none --paper 0 --stand 0.1", "towers"},
       {"calibration --placements 2 --stones 1 --repeats 1 --generated 2 --scans none", "generated"},
+      {"tasks --draws 1 --stones 3 --generated 4 --scans none --folder one_task --stand 0.1", "tasks"},
       {"push --pushes 3 --cell mild", "pushes by how far the stone was to move"}};
+  write_file(folder_ + "/one_task/reach.yaml",
+             "schema: stonestack.target/1\nspans: [{from: 0, to: 0.03, clear: 0.1}]\n"
+             "supports: [{from: -0.2, to: 0, height: 0.1}]\non_table: false\n");
   for (const auto& [arguments, table] : tables) {
     const Outcome bench = run(arguments + " --json --seed 3");
     ASSERT_EQ(bench.code, 0) << arguments << bench.err;

@@ -65,5 +65,32 @@ TEST_F(StoneBench, ScoresAnAnswerByBothEngines) {
   EXPECT_THAT(scored(json::object())["note"].get<std::string>(), HasSubstr("cannot be read"));
 }
 
+TEST_F(BenchCommand, ABridgeIsScoredByWhatSpansTheGapFromBothSides) {
+  ASSERT_EQ(run("problems --out bench --count 5 --stones 8").code, 0);
+  json problems = json::parse(read_file(folder_ + "/bench/problems.json", 100000));
+  ASSERT_EQ(problems["problems"][4]["name"], "bridge-005");
+  EXPECT_EQ(problems["problems"][4]["span"], 0.08);
+  problems["problems"] = {problems["problems"][4]};
+  write_file(folder_ + "/bench/problems.json", problems.dump());
+  ASSERT_EQ(run("solve bench --out answers").code, 0);
+  const std::string path = folder_ + "/answers/bridge-005.json";
+  const json answer = json::parse(read_file(path, 100000));
+  const auto scored = [&](const json& other) {
+    write_file(path, other.dump());
+    const Outcome bench = run("score bench answers --json");
+    EXPECT_EQ(bench.code, 0) << bench.err;
+    return rows_of(bench.data(), "scores")[0];
+  };
+  ASSERT_GE(answer["placements"].size(), 3U);
+  EXPECT_EQ(scored(answer)["score"], 1.0) << scored(answer);
+  json piers = answer;
+  piers["placements"].erase(piers["placements"].size() - 1);
+  EXPECT_LT(scored(piers)["score"], 1.0);
+  json aside = answer;  // the whole bridge moved: a pier stands in the gap
+  for (json& placed : aside["placements"]) placed["T_W_O"]["x"] = placed["T_W_O"]["x"].get<double>() + 0.07;
+  EXPECT_EQ(scored(aside)["score"], 0.0);
+  EXPECT_THAT(scored(aside)["note"].get<std::string>(), HasSubstr("stands in the gap"));
+}
+
 }  // namespace
 }  // namespace stonestack::bench

@@ -57,6 +57,7 @@ struct SceneSearch {
   SearchStart start;                    ///< empty, or as far as it came, where the time was over before
   std::vector<Placement> placements;    ///< the next one, one a level, or those of a wall; empty: `reason`
   std::optional<WallPlan> wall;         ///< with SceneSearchTask::wall
+  std::vector<PlacedStone> supports;    ///< blocks of the wall's target; the last stones of the catalogue
   std::vector<Placement> alternatives;  ///< other poses for the first, should the arm refuse it
   std::string reason;                   ///< reason why no more was found; empty: nothing stood in the way
   bool repeatable = true;               ///< not ended by the clock or the user: the same seed gives the same

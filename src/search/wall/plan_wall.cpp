@@ -6,8 +6,8 @@
 
 #include "physics/shape.hpp"
 #include "search/orientations.hpp"
-#include "search/parallel.hpp"
-#include "search/wall/wall_state.hpp"
+#include "search/wall/placing.hpp"
+#include "search/wall/plan_task.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
 
@@ -18,28 +18,11 @@ constexpr std::size_t kSettledInSlot = 12;  // proposals of a slot that are let 
 constexpr std::size_t kTriedInSlot = 4;     // of these, that are judged before the search goes back
 constexpr int kPasses = 16;                 // from the table up, at most
 constexpr int kPassesOfLength = 3;          // of these, where a length is given
-constexpr int kPassesWithArm = 4;     // likewise where the arm is asked: it makes most of the difference
-constexpr int kJudgedPerStone = 3;    // judgements of a pass, for each stone that is asked for
-constexpr double kUrgency = 0.5;      // worth that a stone gains with each pass that left it over
-constexpr double kVariation = 0.3;    // of the worth of stones, one sigma, from the second pass on
-constexpr double kCloseGap = 0.001;   // m between stones that counts as resting on each other
-constexpr double kAsPlanned = 0.015;  // m that a stone may come to rest beside where it was planned
-constexpr double kBaseStep = 0.02;    // m that a slot moves on where no stone fits
-
-/// A stone that came to rest in a slot.
-struct Settled {
-  Trial trial;
-  WallStonePlaced placed;
-  double worth = 0.0;
-};
-
-/// The wall's frame in W.
-Pose frame_of(const WallTarget& target, const Eigen::Vector2d& site, double middle) {
-  Pose T_W_V = Pose::Identity();
-  T_W_V.linear() = yaw_rotation(target.yaw);
-  T_W_V.translation() << target.centre_W.value_or(site), 0.0;
-  return T_W_V * Eigen::Translation3d(-middle, 0.0, 0.0);
-}
+constexpr int kPassesWithArm = 4;   // likewise where the arm is asked: it makes most of the difference
+constexpr int kJudgedPerStone = 3;  // judgements of a pass, for each stone that is asked for
+constexpr double kUrgency = 0.5;    // worth that a stone gains with each pass that left it over
+constexpr double kVariation = 0.3;  // of the worth of stones, one sigma, from the second pass on
+constexpr double kBaseStep = 0.02;  // m that a slot moves on where no stone fits
 
 /// x of the middle of a wall whose stones have the usual length, where the first begins at 0.
 double usual_middle(const WallTarget& target, const std::vector<WallStone>& stones) {
@@ -52,34 +35,13 @@ double usual_middle(const WallTarget& target, const std::vector<WallStone>& ston
   return 0.5 * (count * length + (count - 1) * target.joint_gap);
 }
 
-/// A stone at a pose in the wall's frame, as one of a course.
-WallStonePlaced standing(const SearchContext& context, const PlacedStone& stone, int course) {
-  const StoneGeometry& geometry = at(context.geometry, stone.stone);
-  const BodyPose body = body_pose(geometry, stone.T_W_O);
-  return placed_in_wall({stone.stone, &geometry, {}}, standing_side(context, geometry, body.R_W_O),
-                        body.R_W_O, body.p_W_M, course);
-}
-
-/// The state of a wall that stands in part.
-WallState state_of(const SearchContext& context, const std::optional<WallBegun>& begun) {
-  WallState state;
-  if (!begun) return state;
-  const Pose T_V_W = begun->T_W_V.inverse();
-  for (std::size_t k = 0; k < context.stack.stones.size(); ++k) {
-    const PlacedStone& stone = context.stack.stones[k];
-    state.stones.push_back(standing(context, {stone.stone, T_V_W * stone.T_W_O}, begun->courses[k]));
-    state.trials.emplace_back();
-  }
-  return state;
-}
-
 class WallSearch {
  public:
   WallSearch(const SearchContext& context, const WallTarget& target, const std::optional<WallBegun>& begun)
       : context_(context),
         target_(target),
         stones_(wall_stones(context, 2 * raster_half(context, context.options->grid) + 1)),
-        start_(state_of(context, begun)) {
+        start_(begun ? standing_state(context, *begun) : WallState()) {
     asked_ = stones_asked(target);
     budget_ = kJudgedPerStone * (asked_ > 0 ? asked_ : static_cast<int>(context.available.size()));
     if (begun)
@@ -99,7 +61,7 @@ class WallSearch {
       for (int pass = 0; pass < passes && !done && !context_.out_of_time(); ++pass) {
         variation_ = pass == 0 ? 0.0 : kVariation;
         random_ = Random::stream(static_cast<std::uint64_t>(context_.options->seed), concat("wall ", pass));
-        judged_ = 0;
+        placing_.judged = 0;
         longest_ = {};
         if (asked_ == 0)
           grow(start_);
@@ -109,9 +71,9 @@ class WallSearch {
         for (const WallStone& stone : stones_)
           if (!longest_.holds(stone.stone)) urgency_[stone.stone] += kUrgency;
       }
-      if (context_.out_of_time()) reason_ = kTimeOver;
+      if (context_.out_of_time()) placing_.reason = kTimeOver;
     } catch (const Interrupted&) {
-      reason_ = why_interrupted();
+      placing_.reason = why_interrupted();
     }
   }
   /// All that was asked for stands: the stones, or stones in each course.
@@ -124,8 +86,8 @@ class WallSearch {
   [[nodiscard]] const std::optional<Pose>& frame() const { return T_W_V_; }
   [[nodiscard]] int asked() const { return asked_; }
   [[nodiscard]] long candidates() const { return candidates_; }
-  [[nodiscard]] int unreachable() const { return unreachable_; }
-  [[nodiscard]] const std::string& reason() const { return reason_; }
+  [[nodiscard]] int unreachable() const { return placing_.unreachable; }
+  [[nodiscard]] const std::string& reason() const { return placing_.reason; }
 
  private:
   /// Puts the stones of an earlier plan where it meant them to go, as far as they hold.
@@ -135,60 +97,12 @@ class WallSearch {
     keep(state);
     for (const WallPlacement& planned : rest_) {
       if (context_.out_of_time()) return false;
-      const Stack below = state.stack();
-      const Placement& placement = planned.placement;
-      if (state.stones.size() == start_.stones.size() && !is_reachable(placement, below)) {
-        reason_ = "the arm does not bring the next stone to its place";
-        return false;
-      }
-      Settled next;
-      next.trial.stone = placement.stone;
-      next.trial.T_W_O = T_W_V_->inverse() * placement.T_W_O;
-      next.trial = settled_trial(context_, below, std::move(next.trial));
-      if (next.trial.alive &&
-          (next.trial.placement.T_W_O.translation() - next.trial.T_W_O.translation()).norm() > kAsPlanned) {
-        next.trial.alive = false;
-        next.trial.outcome = "a stone comes to rest beside where it was planned";
-      }
-      if (!next.trial.alive || !holds(state, next)) {
-        reason_ = next.trial.outcome;
-        return false;
-      }
-      next.placed = standing(context_, {placement.stone, next.trial.placement.T_W_O}, planned.course);
-      state = with(state, next);
+      const auto next = placing_.as_planned(state, planned, state.stones.size() == start_.stones.size());
+      if (!next) return false;
+      state = with(state, *next);
       keep(state);
     }
     return !rest_.empty() && !slot_after(state);
-  }
-
-  /// Can the arm bring the stone to that pose, in W, among those stones of the wall?
-  [[nodiscard]] bool is_reachable(const Placement& placement, const Stack& below_V) const {
-    if (!context_.problem->reachable) return true;
-    Stack below = context_.stack;  // in W; what the search has put there follows
-    for (std::size_t k = below.stones.size(); k < below_V.stones.size(); ++k)
-      below.stones.push_back({below_V.stones[k].stone, *T_W_V_ * below_V.stones[k].T_W_O});
-    return context_.problem->reachable(placement.stone, placement.T_W_O, below);
-  }
-
-  /// Best first, the proposals that the arm can carry out, at most `kSettledInSlot`.
-  void keep_reachable(std::vector<WallProposal>& list, const Stack& below) {
-    if (!context_.problem->reachable) {
-      list.resize(std::min(list.size(), kSettledInSlot));
-      return;
-    }
-    std::vector<WallProposal> kept;
-    for (WallProposal& made : list) {
-      if (kept.size() == kSettledInSlot) break;
-      throw_if_interrupted();
-      Placement placement;
-      placement.stone = made.proposal.stone;
-      placement.T_W_O = *T_W_V_ * stone_pose(made.proposal.body);
-      if (is_reachable(placement, below))
-        kept.push_back(std::move(made));
-      else
-        ++unreachable_;
-    }
-    list = std::move(kept);
   }
 
   /// The stones that come to rest in a slot in balance, best first.
@@ -197,44 +111,18 @@ class WallSearch {
     candidates_ += proposals.evaluated;
     const Stack below = state.stack();
     const bool fits = !proposals.list.empty();
-    keep_reachable(proposals.list, below);
-    std::vector<Settled> list(proposals.list.size());
-    run_tasks(context_.options->threads, list.size(), [&](std::size_t k) {
-      const WallProposal& made = proposals.list[k];
-      Trial trial;
-      trial.stone = made.proposal.stone;
-      trial.T_W_O = stone_pose(made.proposal.body);
-      trial.estimate = made.proposal.robust;
-      list[k].trial = settled_trial(context_, below, std::move(trial));
-      if (!list[k].trial.alive) return;
-      const Pose& T_W_O = list[k].trial.placement.T_W_O;
-      const BodyPose body = body_pose(*made.stone->geometry, T_W_O);
-      list[k].placed = placed_in_wall(*made.stone, *made.side, body.R_W_O, body.p_W_M, slot.course);
-      list[k].worth = worth_in_slot(slot, list[k].placed, list[k].trial.margin, context_.options->friction);
-    });
-    for (const Settled& one : list)
-      if (!one.trial.alive) reason_ = one.trial.outcome;
-    if (list.empty())
-      reason_ =
+    const std::vector<WallProposal> kept =
+        placing_.reachable(std::move(proposals.list), below, kSettledInSlot);
+    if (kept.empty())
+      placing_.reason =
           fits ? "the arm brings none of the stones that fit to its place" : "no stone that is left fits";
-    std::erase_if(list, [](const Settled& one) { return !one.trial.alive; });
+    std::vector<Settled> list = placing_.settled(below, kept, slot.course);
+    for (Settled& one : list)
+      one.worth = worth_in_slot(slot, one.placed, one.trial.margin, context_.options->friction);
     for (Settled& one : list) one.worth += urgency_[one.placed.stone] + random_.normal(0.0, variation_);
     std::stable_sort(list.begin(), list.end(),
                      [](const Settled& p, const Settled& q) { return p.worth > q.worth; });
     return list;
-  }
-
-  /// Judges a stone in place, and predicts it; false if it does not hold.
-  bool holds(const WallState& state, Settled& next) {
-    ++judged_;
-    const Stack below = state.stack();
-    next.trial = judged_trial(context_, below, std::move(next.trial));
-    if (next.trial.alive && context_.options->perturbations > 0) {
-      const Candidate candidate{&below, &next.trial};
-      next.trial = predicted_trials(context_, {&candidate, 1}, context_.options->perturbations).front();
-    }
-    if (!next.trial.alive) reason_ = next.trial.outcome;
-    return next.trial.alive;
   }
 
   /// Worth of a wall: its stones where their number is given, else the length of its courses.
@@ -252,14 +140,7 @@ class WallSearch {
     context_.log(concat(best_.stones.size(), " stones stand, course ", best_.stones.back().course + 1));
   }
 
-  WallState with(const WallState& state, const Settled& next) const {
-    WallState higher = state;
-    higher.stones.push_back(next.placed);
-    higher.trials.push_back(next.trial);
-    return higher;
-  }
-
-  [[nodiscard]] bool out_of_tries() const { return context_.out_of_time() || judged_ >= budget_; }
+  [[nodiscard]] bool out_of_tries() const { return context_.out_of_time() || placing_.judged >= budget_; }
 
   [[nodiscard]] std::optional<WallSlot> slot_after(const WallState& state) const {
     return next_slot(target_, state, [&] { return common_thickness(stones_, state); });
@@ -274,7 +155,7 @@ class WallSearch {
     std::size_t tried = 0;
     for (Settled& next : list) {
       if (out_of_tries() || tried == kTriedInSlot) return false;
-      if (!holds(state, next)) continue;
+      if (!placing_.holds(state, next)) continue;
       ++tried;
       if (complete(with(state, next))) return true;
     }
@@ -287,7 +168,7 @@ class WallSearch {
     while (slot && !out_of_tries()) {
       std::vector<Settled> list = settled(state, *slot);
       const auto next =
-          std::find_if(list.begin(), list.end(), [&](Settled& one) { return holds(state, one); });
+          std::find_if(list.begin(), list.end(), [&](Settled& one) { return placing_.holds(state, one); });
       if (next != list.end()) {
         state = with(state, *next);
         keep(state);
@@ -311,23 +192,42 @@ class WallSearch {
   const SearchContext& context_;
   const WallTarget& target_;
   std::vector<WallStone> stones_;
-  WallState start_;                  // what stands before the search
-  std::optional<Pose> T_W_V_;        // see frame()
+  WallState start_;            // what stands before the search
+  std::optional<Pose> T_W_V_;  // see frame()
+  Placing placing_{context_, T_W_V_};
   std::vector<WallPlacement> rest_;  // of an earlier plan, in W
   bool rest_only_ = false;
-  int unreachable_ = 0;
   WallState best_, longest_;              // of all passes, of this pass
   std::map<StoneIndex, double> urgency_;  // a stone that is hard to place is placed early
-  int asked_ = 0, judged_ = 0, budget_ = 0;
+  int asked_ = 0, budget_ = 0;
   double variation_ = 0.0;
   Random random_ = Random::stream(0, "wall");
   long candidates_ = 0;
-  std::string reason_;
 };
+
+void check_task(const SpanTask& task) {
+  require(!task.spans.empty(), "a task needs at least one span");
+  for (const Span& span : task.spans)
+    require(std::isfinite(span.from) && std::isfinite(span.to) && span.from < span.to && span.clear >= 0.0 &&
+                std::isfinite(span.clear),
+            "a span goes from ", span.from, " to ", span.to, " m, ", span.clear, " m above the table");
+  for (const TargetSupport& support : task.supports) {
+    require(std::isfinite(support.from) && std::isfinite(support.to) && support.from < support.to &&
+                support.height > 0.0 && support.depth > 0.0 && std::isfinite(support.height) &&
+                std::isfinite(support.depth),
+            "a support goes from ", support.from, " to ", support.to, " m, ", support.height, " m high and ",
+            support.depth, " m deep");
+    for (const Span& span : task.spans)
+      require(support.to <= span.from || support.from >= span.to, "the support from ", support.from, " to ",
+              support.to, " m stands in the span from ", span.from, " to ", span.to, " m");
+  }
+  require(!task.carry || std::isfinite(*task.carry), "the place of the stone that is carried must be finite");
+}
 
 void check_target(const WallTarget& target, std::size_t stones) {
   require((!target.centre_W || target.centre_W->allFinite()) && std::isfinite(target.yaw),
           "the wall's place must be finite");
+  if (target.task) return check_task(*target.task);
   if (target.courses.empty()) {
     require(target.length > 0.0 && std::isfinite(target.length) && target.levels > 0,
             "a wall needs stones a course (4+3+2+1), or a length and a number of courses");
@@ -358,24 +258,6 @@ void check_begun(const SearchProblem& problem, const std::optional<WallBegun>& b
             "the rest of the plan names no stone or no pose");
 }
 
-SearchContext wall_context(const SearchProblem& problem, const SearchOptions& options,
-                           const std::function<void(const std::string&)>& report) {
-  SearchContext context = make_context(problem, options, report);
-  context.tower = false;
-  return context;
-}
-
-/// Placements that each stone rests on.
-std::vector<std::vector<int>> supports_of(const SearchContext& context, const WallState& state) {
-  std::vector<std::vector<int>> supports(state.stones.size());
-  for (const Contact& contact : geometric_contacts(context.shapes(), state.stack(), kCloseGap)) {
-    auto& list = supports[static_cast<std::size_t>(contact.above)];
-    if (contact.below == kTable || contact.n_W.z() < 0.3) continue;
-    if (std::find(list.begin(), list.end(), contact.below) == list.end()) list.push_back(contact.below);
-  }
-  return supports;
-}
-
 }  // namespace
 
 WallPlan plan_wall(const SearchProblem& problem, const WallTarget& target, const SearchOptions& options,
@@ -384,6 +266,7 @@ WallPlan plan_wall(const SearchProblem& problem, const WallTarget& target, const
   check_problem(problem, options);
   check_begun(problem, begun);
   check_target(target, problem.available.size() + problem.stack.stones.size());
+  if (target.task) return plan_task(problem, target, options, report, begun);
   SearchContext context = wall_context(problem, options, report);
   WallSearch search(context, target, begun);
   search.run();
@@ -399,7 +282,7 @@ WallPlan plan_wall(const SearchProblem& problem, const WallTarget& target, const
     right = std::max(right, best.stones[static_cast<std::size_t>(k)].reach.max.x());
   }
   plan.T_W_V = search.frame().value_or(frame_of(target, problem.site, 0.5 * (left + right)));
-  const std::vector<std::vector<int>> supports = supports_of(context, best);
+  const std::vector<std::vector<int>> supports = rests_upon(context, best);
   for (std::size_t k = problem.stack.stones.size(); k < best.stones.size(); ++k) {
     WallPlacement placement{best.trials[k].placement, best.stones[k].course, supports[k]};
     placement.placement.T_W_O = plan.T_W_V * placement.placement.T_W_O;
@@ -411,11 +294,14 @@ WallPlan plan_wall(const SearchProblem& problem, const WallTarget& target, const
   return plan;
 }
 
-WallMetrics measure_wall(const SearchProblem& problem, const WallBegun& begun, const SearchOptions& options) {
+WallMetrics measure_wall(const SearchProblem& problem, const WallTarget& target, const WallBegun& begun,
+                         const SearchOptions& options) {
   check_problem(problem, options);
   check_begun(problem, begun);
+  check_target(target, problem.available.size() + problem.stack.stones.size());
+  if (target.task) return measure_task(problem, *target.task, begun, options);
   const SearchContext context = wall_context(problem, options, {});
-  return wall_metrics(context, state_of(context, begun));
+  return wall_metrics(context, standing_state(context, begun));
 }
 
 }  // namespace stonestack::search

@@ -51,25 +51,24 @@ Eigen::Vector2d wanted_place(const WallSlot& slot, const WallSide& side) {
   return {x, -0.5 * (side.extents.min + side.extents.max).y()};
 }
 
-WallProposal proposal_of(const WallStone& stone, const WallSide& side, const WallSlot& slot,
+WallProposal proposal_of(const WallStone& stone, const WallSide& side, const WallPlace& place,
                          const Eigen::Matrix3d& R_W_O, const Eigen::Vector3d& p_W_com, const Landing& landing,
-                         double firmness, double friction) {
+                         double firmness) {
   WallProposal made{&stone, &side, {}, 0.0};
   made.proposal.stone = stone.stone;
   made.proposal.body = {stone.geometry, R_W_O, p_W_com};
   made.proposal.landing = landing;
   made.proposal.robust = firmness;
-  made.worth =
-      worth_in_slot(slot, placed_in_wall(stone, side, R_W_O, p_W_com, slot.course), firmness, friction);
+  made.worth = place.worth(placed_in_wall(stone, side, R_W_O, p_W_com, place.course), firmness);
   return made;
 }
 
 /// The best landing of a side about the place where it is wanted.
-std::optional<WallProposal> best_in_slot(const StackField& field, const WallStone& stone,
-                                         const WallSide& side, const WallSlot& slot, GapField* buffer,
+std::optional<WallProposal> best_landing(const StackField& field, const WallStone& stone,
+                                         const WallSide& side, const WallPlace& place, GapField* buffer,
                                          long* evaluated) {
   const HeightRaster& heights = field.surface.heights;
-  const Eigen::Vector2d from = (wanted_place(slot, side) - heights.centre) / heights.cell;
+  const Eigen::Vector2d from = (place.wanted(side) - heights.centre) / heights.cell;
   OffsetGrid offsets;
   offsets.n = kSlotOffsets;
   offsets.step = std::max(1, static_cast<int>(std::lround(kSlotPitch / heights.cell)));
@@ -88,16 +87,16 @@ std::optional<WallProposal> best_in_slot(const StackField& field, const WallSton
       Eigen::Vector3d p_W;
       p_W << heights.node(heights.index(offsets.i + u * offsets.step, offsets.j + v * offsets.step)),
           landing.height;
-      WallProposal made = proposal_of(stone, side, slot, levelled(side.R_W_O, landing), p_W, landing,
-                                      landing.estimate, field.friction);
+      WallProposal made =
+          proposal_of(stone, side, place, levelled(side.R_W_O, landing), p_W, landing, landing.estimate);
       if (!best || made.worth > best->worth) best = std::move(made);
     }
   return best;
 }
 
 /// Turns a proposal level and moves it to the best place nearby, on a finer raster.
-std::optional<WallProposal> refined_in_slot(const StackField& fine, const WallProposal& start,
-                                            const WallSlot& slot, long* evaluated) {
+std::optional<WallProposal> refined_landing(const StackField& fine, const WallProposal& start,
+                                            const WallPlace& place, long* evaluated) {
   GapField buffer;
   const HeightRaster& heights = fine.surface.heights;
   const StoneGeometry& stone = *start.stone->geometry;
@@ -124,8 +123,8 @@ std::optional<WallProposal> refined_in_slot(const StackField& fine, const WallPr
         if (!landing.holds) continue;
         Eigen::Vector3d p_W;
         p_W << heights.node(heights.index(offsets.i + u, offsets.j + v)), landing.height;
-        WallProposal made = proposal_of(*start.stone, *start.side, slot, levelled(R, landing), p_W, landing,
-                                        landing.estimate, fine.friction);
+        WallProposal made = proposal_of(*start.stone, *start.side, place, levelled(R, landing), p_W, landing,
+                                        landing.estimate);
         if (!of_round || made.worth > of_round->worth) of_round = std::move(made), best_u = u, best_v = v;
       }
     if (!of_round) break;
@@ -141,15 +140,15 @@ std::optional<WallProposal> refined_in_slot(const StackField& fine, const WallPr
 }
 
 /// Stones side by side on the table.
-std::vector<WallProposal> on_the_table(const std::vector<const WallStone*>& stones, const WallSlot& slot,
+std::vector<WallProposal> on_the_table(const std::vector<const WallStone*>& stones, const WallPlace& place,
                                        double friction) {
   std::vector<WallProposal> list;
   for (const WallStone* stone : stones)
     for (const WallSide& side : stone->sides) {
       Eigen::Vector3d p_W;
-      p_W << wanted_place(slot, side), side.on_table.height;
+      p_W << place.wanted(side), side.on_table.height;
       const double firmness = std::min(friction, side.on_table.margin / side.on_table.lever);
-      list.push_back(proposal_of(*stone, side, slot, side.R_W_O, p_W, side.on_table, firmness, friction));
+      list.push_back(proposal_of(*stone, side, place, side.R_W_O, p_W, side.on_table, firmness));
     }
   return list;
 }
@@ -176,39 +175,36 @@ std::vector<WallProposal> best_of_each(std::vector<WallProposal> list, std::size
 
 }  // namespace
 
-WallProposals wall_proposals(const SearchContext& context, const WallState& state, const WallSlot& slot,
-                             const std::vector<WallStone>& stones) {
+WallProposals table_proposals(const SearchContext& context, const WallPlace& place,
+                              const std::vector<const WallStone*>& stones) {
+  WallProposals result;
+  result.list =
+      best_of_each(on_the_table(stones, place, context.options->friction), kRefinedInSlot, kPerStone);
+  result.evaluated = static_cast<long>(result.list.size());
+  return result;
+}
+
+WallProposals proposals_at(const SearchContext& context, const WallPlace& place,
+                           const std::vector<const WallStone*>& stones) {
   const SearchOptions& o = *context.options;
   WallProposals result;
-  std::vector<const WallStone*> left;
-  for (const WallStone& stone : stones)
-    if (!state.holds(stone.stone)) left.push_back(&stone);
-  if (slot.course == 0) {
-    result.list = best_of_each(on_the_table(left, slot, o.friction), kRefinedInSlot, kPerStone);
-    result.evaluated = static_cast<long>(result.list.size());
-    return result;
-  }
   SurfaceGrid grid;
   grid.cell = o.grid;
   grid.half = raster_half(context, grid.cell);
-  double half_length = 0.0;
-  for (const WallStone* stone : left)
-    half_length += 0.5 * (stone->sides.front().extents.max - stone->sides.front().extents.min).x() /
-                   static_cast<double>(left.size());
-  grid.centre = {slot.centre ? *slot.centre : slot.from + half_length, 0.0};
-  const StackField coarse = wall_field(context, state, slot, grid);
+  grid.centre = place.centre;
+  const StackField coarse = place.field(grid);
   struct Task {
     const WallStone* stone;
     const WallSide* side;
   };
   std::vector<Task> tasks;
-  for (const WallStone* stone : left)
+  for (const WallStone* stone : stones)
     for (const WallSide& side : stone->sides) tasks.push_back({stone, &side});
   std::vector<std::optional<WallProposal>> found(tasks.size());
   std::vector<long> evaluated(tasks.size(), 0);
   run_tasks(o.threads, tasks.size(), [&](std::size_t k) {
     GapField buffer;
-    found[k] = best_in_slot(coarse, *tasks[k].stone, *tasks[k].side, slot, &buffer, &evaluated[k]);
+    found[k] = best_landing(coarse, *tasks[k].stone, *tasks[k].side, place, &buffer, &evaluated[k]);
   });
   std::vector<WallProposal> list;
   for (auto& made : found)
@@ -216,17 +212,43 @@ WallProposals wall_proposals(const SearchContext& context, const WallState& stat
   list = best_of_each(std::move(list), kRefinedInSlot, kPerStone);
   grid.cell = 0.5 * o.grid;
   grid.half = raster_half(context, grid.cell);
-  const StackField fine = wall_field(context, state, slot, grid);
+  const StackField fine = place.field(grid);
   std::vector<std::optional<WallProposal>> better(list.size());
   evaluated.resize(tasks.size() + list.size(), 0);
   run_tasks(o.threads, list.size(), [&](std::size_t k) {
-    better[k] = refined_in_slot(fine, list[k], slot, &evaluated[tasks.size() + k]);
+    better[k] = refined_landing(fine, list[k], place, &evaluated[tasks.size() + k]);
   });
   for (auto& made : better)
     if (made && made->proposal.robust > 0.0) result.list.push_back(*std::move(made));
   result.list = best_of_each(std::move(result.list), kRefinedInSlot, kPerStone);
   for (const long count : evaluated) result.evaluated += count;
   return result;
+}
+
+WallProposals wall_proposals(const SearchContext& context, const WallState& state, const WallSlot& slot,
+                             const std::vector<WallStone>& stones) {
+  const std::vector<const WallStone*> left = stones_left(stones, state);
+  WallPlace place;
+  place.course = slot.course;
+  place.wanted = [&](const WallSide& side) { return wanted_place(slot, side); };
+  place.worth = [&](const WallStonePlaced& placed, double firmness) {
+    return worth_in_slot(slot, placed, firmness, context.options->friction);
+  };
+  if (slot.course == 0) return table_proposals(context, place, left);
+  double half_length = 0.0;
+  for (const WallStone* stone : left)
+    half_length += 0.5 * (stone->sides.front().extents.max - stone->sides.front().extents.min).x() /
+                   static_cast<double>(left.size());
+  place.centre = {slot.centre ? *slot.centre : slot.from + half_length, 0.0};
+  place.field = [&](const SurfaceGrid& grid) { return wall_field(context, state, slot, grid); };
+  return proposals_at(context, place, left);
+}
+
+std::vector<const WallStone*> stones_left(const std::vector<WallStone>& stones, const WallState& state) {
+  std::vector<const WallStone*> left;
+  for (const WallStone& stone : stones)
+    if (!state.holds(stone.stone)) left.push_back(&stone);
+  return left;
 }
 
 }  // namespace stonestack::search

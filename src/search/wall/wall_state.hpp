@@ -73,6 +73,25 @@ struct WallProposals {
   std::vector<WallProposal> list;
   long evaluated = 0;
 };
+/// Where a stone may go, and what it is worth there.
+struct WallPlace {
+  int course = 0;
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();     ///< of what `field` covers [m]
+  std::function<StackField(const SurfaceGrid&)> field;  ///< the surface that a stone is laid over
+  /// Where the centre of mass of a side goes before it is moved about [m].
+  std::function<Eigen::Vector2d(const WallSide&)> wanted;
+  /// Larger is better; the second argument is the horizontal acceleration that the stone bears [g].
+  std::function<double(const WallStonePlaced&, double)> worth;
+};
+/// Stones on what stands, best first, coarse and then refined.
+[[nodiscard]] WallProposals proposals_at(const SearchContext& context, const WallPlace& place,
+                                         const std::vector<const WallStone*>& stones);
+/// Stones on the free table, where they are wanted, best first. `field` is not used.
+[[nodiscard]] WallProposals table_proposals(const SearchContext& context, const WallPlace& place,
+                                            const std::vector<const WallStone*>& stones);
+/// The stones that a state does not hold.
+[[nodiscard]] std::vector<const WallStone*> stones_left(const std::vector<WallStone>& stones,
+                                                        const WallState& state);
 [[nodiscard]] WallProposals wall_proposals(const SearchContext& context, const WallState& state,
                                            const WallSlot& slot, const std::vector<WallStone>& stones);
 

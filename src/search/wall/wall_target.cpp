@@ -12,7 +12,11 @@ constexpr const char* kTargetSchema = "stonestack.target/1";
 constexpr double kMaxCourses = 50, kMaxInCourse = 1000;
 constexpr double kMinLength = 0.05, kMaxLength = 100.0;  // m
 constexpr double kMaxJointGap = 0.1;                     // m
-constexpr const char* kTargetForm = "4+3+2+1 (stones a course), 0.8x3 (metres and courses), or a target file";
+constexpr double kMaxHeight = 5.0;                       // m
+constexpr const char* kTargetForm =
+    "4+3+2+1 (stones a course), 0.8x3 (metres and courses), bridge:0.08 (metres), or a target file";
+constexpr const char* kBridge = "bridge:";
+constexpr double kMinSpan = 0.01, kMaxSpan = 2.0;  // m of a bridge
 
 std::vector<int> counts_of(const std::string& text) {
   std::vector<int> counts;
@@ -27,13 +31,50 @@ std::vector<int> counts_of(const std::string& text) {
   return counts;
 }
 
-WallTarget target_of_file(const std::string& path) {
-  yaml::Map map(yaml::read_file(path), path);
-  const std::string schema = map.text("schema");
-  if (schema != kTargetSchema)
-    map.fail("schema", concat("is '", schema, "'"), concat("this version reads ", kTargetSchema));
-  WallTarget target;
-  yaml::Map wall = map.map("wall");
+/// The maps of a list, each read by `read`.
+template <typename Read>
+void each_of(yaml::Map& map, const std::string& key, const std::string& path, const Read& read) {
+  const auto list = map.node(key);
+  if (!list.IsSequence() || list.size() == 0) map.fail(key, "is not a list", "give a list of maps");
+  for (std::size_t k = 0; k < list.size(); ++k) {
+    yaml::Map item(list[k], path, concat(key, "[", k, "]"));
+    read(item);
+    item.finish();
+  }
+}
+
+SpanTask task_of_file(yaml::Map& map, const std::string& path) {
+  SpanTask task;
+  each_of(map, "spans", path, [&](yaml::Map& item) {
+    Span span;
+    span.from = item.number("from", -kMaxLength, kMaxLength);
+    span.to = item.number("to", -kMaxLength, kMaxLength);
+    if (item.has("clear")) span.clear = item.number("clear", 0.0, kMaxHeight);
+    if (span.to <= span.from) item.fail("to", "is not beyond `from`", "give the larger x");
+    task.spans.push_back(span);
+  });
+  if (map.has("supports"))
+    each_of(map, "supports", path, [&](yaml::Map& item) {
+      TargetSupport support;
+      support.from = item.number("from", -kMaxLength, kMaxLength);
+      support.to = item.number("to", -kMaxLength, kMaxLength);
+      support.height = item.number("height", 0.005, kMaxHeight);
+      if (item.has("depth")) support.depth = item.number("depth", 0.005, kMaxLength);
+      if (support.to < support.from + 0.005)
+        item.fail("to", "is not beyond `from` by 5 mm", "give the larger x");
+      task.supports.push_back(support);
+    });
+  if (map.has("on_table")) {
+    const std::string answer = map.text("on_table");
+    if (answer != "true" && answer != "false")
+      map.fail("on_table", concat("is '", answer, "'"), "give true or false");
+    task.on_table = answer == "true";
+  }
+  if (map.has("carry")) task.carry = map.number("carry", -kMaxLength, kMaxLength);
+  return task;
+}
+
+void read_wall(yaml::Map& wall, WallTarget& target) {
   if (wall.has("courses")) {
     const auto list = wall.node("courses");
     if (!list.IsSequence() || list.size() == 0)
@@ -52,6 +93,20 @@ WallTarget target_of_file(const std::string& path) {
     target.levels = static_cast<int>(levels);
   }
   wall.finish();
+}
+
+WallTarget target_of_file(const std::string& path) {
+  yaml::Map map(yaml::read_file(path), path);
+  const std::string schema = map.text("schema");
+  if (schema != kTargetSchema)
+    map.fail("schema", concat("is '", schema, "'"), concat("this version reads ", kTargetSchema));
+  WallTarget target;
+  if (map.has("spans")) {
+    target.task = task_of_file(map, path);
+  } else {
+    yaml::Map wall = map.map("wall");
+    read_wall(wall, target);
+  }
   if (map.has("centre")) {
     yaml::Map centre = map.map("centre");
     const double x = centre.number("x", -kMaxLength, kMaxLength);
@@ -70,6 +125,13 @@ WallTarget read_wall_target(const std::string& text) {
   require(!text.empty(), "a wall needs ", kTargetForm);
   if (is_scene_file(text)) return target_of_file(text);
   WallTarget target;
+  if (text.starts_with(kBridge)) {
+    const double span = parse_numbers(text.substr(std::string(kBridge).size()), 1, kTargetForm).front();
+    require(span >= kMinSpan && span <= kMaxSpan, "--bridge ", span, ": the span must be in [", kMinSpan,
+            ", ", kMaxSpan, "] m");
+    target.task = SpanTask{{}, {{-0.5 * span, 0.5 * span}}, true, std::nullopt};
+    return target;
+  }
   const std::size_t cross = text.find('x');
   if (cross == std::string::npos) {
     target.courses = counts_of(text);
