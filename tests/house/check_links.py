@@ -21,17 +21,24 @@ def lines_without_code(path):
             yield number, CODE.sub("", line)
 
 
-def anchors(path):
-    """Anchors of the headings of a document."""
-    found, fenced = set(), False
-    for line in path.read_text(encoding="utf-8").splitlines():
+def headings(path):
+    """(line number, anchor) of the headings of a document, by GitHub's rules: a repeated one gets a number."""
+    used, fenced = {}, False
+    for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
         if line.lstrip().startswith("```"):
             fenced = not fenced
         heading = None if fenced else re.match(r"#+\s+(.*?)\s*#*$", line)
         if heading:
             text = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", heading.group(1)).lower()
-            found.add(re.sub(r"[^\w\- ]", "", text).replace(" ", "-"))
-    return found
+            anchor = re.sub(r"[^\w\- ]", "", text).replace(" ", "-")
+            before = used.get(anchor, 0)
+            used[anchor] = before + 1
+            yield number, f"{anchor}-{before}" if before else anchor
+
+
+def anchors(path):
+    """Anchors of the headings of a document."""
+    return {anchor for _, anchor in headings(path)}
 
 
 def faults_in(root):

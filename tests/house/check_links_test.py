@@ -26,6 +26,10 @@ class Links(unittest.TestCase):
     def test_a_missing_heading_is_a_fault(self):
         self.assertEqual(self.faults("[a](docs/other.md#three)"), ["README.md:1: docs/other.md#three: no such heading"])
 
+    def test_a_repeated_heading_has_a_number(self):
+        self.assertEqual(self.faults("# A\n# A\n[a](#a) [b](#a-1)"), [])
+        self.assertEqual(len(self.faults("# A\n# A\n[c](#a-2)")), 1)
+
     def test_code_is_not_a_link(self):
         self.assertEqual(self.faults("`[a](none.md)`\n```\n[a](none.md)\n```\n"), [])
 

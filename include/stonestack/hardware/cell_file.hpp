@@ -84,7 +84,7 @@ struct ControllerDescription {
   std::string model;      ///< "UR10"; empty where it does not say (before PolyScope 3.12 and 5.6)
   std::string polyscope;  ///< "3.15.8.106339"
   bool e_series = false;  ///< its arm has a force sensor of its own
-  ControllerState state;
+  ControllerState state;  ///< mode, safety status and program at the time of asking
   std::optional<bool> remote_control;          ///< empty where there is no such mode
   std::optional<double> payload;               ///< of its installation [kg]; empty: it does not say
   std::optional<Eigen::Vector3d> p_F_payload;  ///< centre of mass of that [m]

@@ -12,15 +12,17 @@ namespace stonestack::search {
 
 /// A block that stands on the table before anything is built, of the density of stone (2600 kg/m^3).
 struct TargetSupport {
-  double from = 0.0, to = 0.0;  ///< x from where to where it goes [m]
-  double height = 0.1;          ///< of its top over the table [m]
-  double depth = 0.2;           ///< [m] across, half to either side of y = 0
+  double from = 0.0;    ///< x where it begins [m]
+  double to = 0.0;      ///< x where it ends [m]
+  double height = 0.1;  ///< of its top over the table [m]
+  double depth = 0.2;   ///< [m] across, half to either side of y = 0
 };
 
 /// A stretch of the x axis that stones are to lie over, without a gap, while nothing stands in it.
 struct Span {
-  double from = 0.0, to = 0.0;  ///< x of its ends [m]
-  double clear = 0.03;          ///< [m] over the table, below which there is no stone between the ends
+  double from = 0.0;    ///< x where it begins [m]
+  double to = 0.0;      ///< x where it ends [m]
+  double clear = 0.03;  ///< [m] over the table, below which there is no stone between the ends
 };
 
 /// Duty of a structure that is no wall: span, reach out, carry. Frame: x along, y across, z up, origin
