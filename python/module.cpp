@@ -1,4 +1,4 @@
-/// The Python module `stonestack`: what the command does, with numpy arrays. stonestack.pyi documents it.
+/// The Python module `stonestack`: what the command does, with numpy arrays. stonestack-stubs documents it.
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>

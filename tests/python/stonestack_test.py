@@ -97,7 +97,7 @@ class Stones(Case):
 
 class Hints(Case):
     def test_hints_name_what_the_module_has_and_no_more(self):
-        tree = ast.parse(pathlib.Path(ss.__file__).with_name("stonestack.pyi").read_text())
+        tree = ast.parse(pathlib.Path(ss.__file__).with_name("stonestack-stubs").joinpath("__init__.pyi").read_text())
         classes = {node.name: node for node in tree.body if isinstance(node, ast.ClassDef)}
         functions = {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
         public = {name for name in dir(ss) if not name.startswith("_")}
