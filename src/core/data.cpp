@@ -1,10 +1,10 @@
-#include "stonestack/core/file.hpp"
-
 #include <cstdlib>
 #include <filesystem>
 #include <vector>
 
+#include "core/prefix.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
 
 namespace stonestack::core {
 
@@ -13,9 +13,11 @@ std::string data_path(const std::string& name) {
   std::vector<fs::path> folders;
   if (const char* given = std::getenv("STONESTACK_DATA")) folders.emplace_back(given);
   std::error_code ignored;
-  const fs::path program = fs::read_symlink("/proc/self/exe", ignored);
-  if (!program.empty()) folders.push_back(program.parent_path().parent_path() / "share" / "stonestack");
-  folders.emplace_back(STONESTACK_DATA_DIR);
+  for (const fs::path& prefix : install_prefixes()) {
+    const fs::path folder = prefix / "share" / "stonestack";
+    const fs::path linked = fs::canonical(folder, ignored);  // the build folder has a link to the sources
+    folders.push_back(linked.empty() ? folder : linked);
+  }
   std::string tried;
   for (const auto& folder : folders) {
     if (fs::exists(folder / name, ignored)) return (folder / name).string();

@@ -16,6 +16,7 @@
 #include <optional>
 #include <thread>
 
+#include "core/prefix.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
 
@@ -66,12 +67,10 @@ class MemoryFile {
 };
 
 std::string importer_program() {
-  namespace fs = std::filesystem;
-  std::error_code ignored;
-  const fs::path beside = fs::read_symlink("/proc/self/exe", ignored).parent_path() / "stonestack-import";
-  for (const fs::path& program :
-       {beside, fs::path(STONESTACK_IMPORT_BUILT), fs::path(STONESTACK_IMPORT_INSTALLED)})
-    if (::access(program.c_str(), X_OK) == 0) return program.string();
+  for (const std::filesystem::path& prefix : core::install_prefixes()) {
+    const std::string program = prefix / "bin" / "stonestack-import";
+    if (::access(program.c_str(), X_OK) == 0) return program;
+  }
   return {};
 }
 

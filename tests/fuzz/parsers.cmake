@@ -30,7 +30,7 @@ stonestack_files(parsers emulators robotiq/gripper_plant robotiq/gripper_registe
   ur/rtde_session)
 
 # What these stand on: no foreign byte is read there, so it is built as fast as can be.
-stonestack_files(others core byte_stream clock data error log random serial socket spelling time_limit)
+stonestack_files(others core byte_stream clock data error log prefix random serial socket spelling time_limit)
 stonestack_files(others geometry capsule capsule_cover cloud depth_unit convex_hull convex_pieces enclosing_shapes mass_properties mesh mesh_edges mesh_shapes pose surface_tree)
 stonestack_files(others kinematics calibrated_inverse closed_form forward hand_eye hand_eye_methods inverse jacobian joints polish tool_workspace)
 stonestack_files(others hardware cell camera/realsense_absent camera/realsense_camera camera/recorded_camera
@@ -45,8 +45,6 @@ stonestack_files(others emulators ur/arm_geometry ur/ideal_plant ur/motion ur/mo
 function(stonestack_part target)
   add_library(${target} STATIC ${ARGN})
   set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF)
-  target_compile_definitions(${target} PRIVATE STONESTACK_DATA_DIR="${PROJECT_SOURCE_DIR}/data"
-    STONESTACK_IMPORT_BUILT="" STONESTACK_IMPORT_INSTALLED="")
   target_include_directories(${target} PUBLIC "${PROJECT_SOURCE_DIR}/include" "${PROJECT_SOURCE_DIR}/src")
   target_include_directories(${target} SYSTEM PRIVATE ${BULLET_INCLUDE_DIRS})
   target_link_libraries(${target} PUBLIC stonestack_settings Eigen3::Eigen PRIVATE spdlog::spdlog yaml-cpp

@@ -23,8 +23,8 @@ void write_file(const std::string& path, std::string_view content);
 void require_writable(const std::string& path);
 
 /// Path of a file or folder that comes with stonestack, e.g. `data_path("stones")`,
-/// `data_path("robots/ur10.urdf")`. Looked for below STONESTACK_DATA, then beside the program as installed
-/// (share/stonestack), then in the source tree.
+/// `data_path("robots/ur10.urdf")`. Looked for below STONESTACK_DATA, then in share/stonestack of the folder
+/// that the program is installed below (PREFIX/bin), then of the one that the library is (PREFIX/lib).
 /// @throws FileError naming what was tried.
 [[nodiscard]] std::string data_path(const std::string& name);
 
