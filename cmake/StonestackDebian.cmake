@@ -36,4 +36,35 @@ set(CPACK_DEBIAN_PROGRAMS_PACKAGE_NAME stonestack)
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_DEPENDS "libstonestack${PROJECT_VERSION_MAJOR} (= ${PROJECT_VERSION})")
 set(CPACK_COMPONENT_PROGRAMS_DESCRIPTION "Builds dry-stone towers with a robot arm: command and data")
+# What Debian's policy asks of each package: copyright and changelog, compressed without a time; of the library also which package
+# brings its name, and that the linker's cache is renewed.
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+find_program(STONESTACK_AWK awk REQUIRED)
+find_program(STONESTACK_GZIP gzip REQUIRED)
+set(debian "${PROJECT_BINARY_DIR}/debian")
+file(MAKE_DIRECTORY "${debian}")
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/CHANGELOG.md" "${PROJECT_SOURCE_DIR}/LICENSE"
+  "${CMAKE_CURRENT_LIST_DIR}/debian/changelog.awk")
+file(READ "${PROJECT_SOURCE_DIR}/LICENSE" licence)
+if(NOT licence MATCHES "Copyright \\(c\\) ([^\n]*)\n\n(.*[^\n])\n*$")
+  message(FATAL_ERROR "LICENSE has no line \"Copyright (c) ...\" above its text")
+endif()
+set(stonestack_copyright "${CMAKE_MATCH_1}")
+set(stonestack_licence " ${CMAKE_MATCH_2}")
+string(REPLACE "\n" "\n " stonestack_licence "${stonestack_licence}")
+string(REPLACE "\n \n" "\n .\n" stonestack_licence "${stonestack_licence}")
+configure_file("${CMAKE_CURRENT_LIST_DIR}/debian/copyright.in" "${debian}/copyright" @ONLY)
+string(TIMESTAMP date "%a, %d %b %Y %H:%M:%S +0000" UTC)  # or SOURCE_DATE_EPOCH
+execute_process(COMMAND "${STONESTACK_AWK}" -v "version=${PROJECT_VERSION}" -v "date=${date}" -v "contact=${CPACK_PACKAGE_CONTACT}"
+    -f "${CMAKE_CURRENT_LIST_DIR}/debian/changelog.awk" "${PROJECT_SOURCE_DIR}/CHANGELOG.md"
+  COMMAND "${STONESTACK_GZIP}" -9nc OUTPUT_FILE "${debian}/changelog.gz" COMMAND_ERROR_IS_FATAL ANY)
+foreach(component IN LISTS CPACK_COMPONENTS_ALL)
+  string(TOUPPER "${component}" upper)
+  install(FILES "${debian}/copyright" "${debian}/changelog.gz" COMPONENT ${component} EXCLUDE_FROM_ALL
+    DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/${CPACK_DEBIAN_${upper}_PACKAGE_NAME}")
+endforeach()
+file(WRITE "${debian}/triggers" "activate-noawait ldconfig\n")
+file(WRITE "${debian}/shlibs"
+  "libstonestack ${PROJECT_VERSION_MAJOR} ${CPACK_DEBIAN_LIBRARY_PACKAGE_NAME} (= ${PROJECT_VERSION})\n")
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA "${debian}/triggers;${debian}/shlibs")
 include(CPack)

@@ -1,7 +1,7 @@
-# Makes the Debian packages, unpacks them into a folder of their own, and runs the command, pkg-config and, with
-# PYTHON (an interpreter; empty: no module is built), the Python module from there. MPI says whether stonestack-mpi is
-# built.
-#   cmake -DBUILD=... -DWORK=... -DVERSION=... -DPYTHON=... -DMPI=... -P packages.cmake
+# Makes the Debian packages, lets lintian judge them where it is installed, unpacks them into a folder of their own, and
+# runs the command, pkg-config and, with PYTHON (an interpreter; empty: no module is built), the Python module from
+# there. MPI says whether stonestack-mpi is built. MYPY checks the examples against the packaged type hints (empty: not).
+#   cmake -DROOT=... -DBUILD=... -DWORK=... -DVERSION=... -DPYTHON=... -DMYPY=... -DMPI=... -P packages.cmake
 file(REMOVE_RECURSE "${WORK}")
 file(MAKE_DIRECTORY "${WORK}")
 function(run output)
@@ -25,6 +25,11 @@ endif()
 if(NOT count EQUAL expected)
   message(FATAL_ERROR "expected ${expected} packages, got ${packages}")
 endif()
+# Errors of lintian are faults, its warnings are not.
+find_program(LINTIAN lintian)
+if(LINTIAN)
+  run(log "${LINTIAN}" --allow-root --fail-on error ${packages})
+endif()
 foreach(package IN LISTS packages)
   run(depends dpkg-deb -f "${package}" Package Depends)
   if(depends MATCHES "Package: libstonestack0" AND NOT depends MATCHES "libbullet.*libglpk")
@@ -41,6 +46,13 @@ foreach(package IN LISTS packages)
   endif()
   run(log dpkg-deb -x "${package}" "${WORK}/root")
 endforeach()
+# What is installed finds its data by its own place: no path of this machine is in it.
+foreach(path IN ITEMS "${ROOT}" "${BUILD}")
+  execute_process(COMMAND grep -rlF "${path}" "${WORK}/root" RESULT_VARIABLE result OUTPUT_VARIABLE text)
+  if(NOT result EQUAL 1)
+    message(FATAL_ERROR "packaged files name ${path}:\n${text}")
+  endif()
+endforeach()
 run(version ${CMAKE_COMMAND} -E env --unset=LD_LIBRARY_PATH --unset=STONESTACK_DATA "${WORK}/root/usr/bin/stonestack" --version)
 if(NOT version MATCHES "${VERSION}")
   message(FATAL_ERROR "the packaged command says ${version}")
@@ -48,8 +60,9 @@ endif()
 if(MPI)
   run(version ${CMAKE_COMMAND} -E env --unset=LD_LIBRARY_PATH --unset=STONESTACK_DATA "${WORK}/root/usr/bin/stonestack-mpi" --version)
 endif()
-foreach(file man/man1/stonestack.1 man/man1/stonestack-config-show.1 bash-completion/completions/stonestack
-    zsh/vendor-completions/_stonestack fish/vendor_completions.d/stonestack.fish)
+foreach(file man/man1/stonestack.1.gz man/man1/stonestack-config-show.1.gz bash-completion/completions/stonestack
+    zsh/vendor-completions/_stonestack fish/vendor_completions.d/stonestack.fish
+    doc/libstonestack0/copyright doc/stonestack/changelog.gz)
   if(NOT EXISTS "${WORK}/root/usr/share/${file}")
     message(FATAL_ERROR "no package has share/${file}")
   endif()
@@ -63,13 +76,17 @@ if(NOT flags MATCHES "root/usr/include")
   message(FATAL_ERROR "pkg-config leads to ${flags}")
 endif()
 if(PYTHON)
-  # An unpacked folder is not below /usr, so the interpreter is told where module and stones lie.
+  # An unpacked folder is not below /usr, so the interpreter is told where the module lies; that finds the stones itself.
   file(MAKE_DIRECTORY "${WORK}/elsewhere")
-  execute_process(COMMAND ${CMAKE_COMMAND} -E env --unset=LD_LIBRARY_PATH
-    "PYTHONPATH=${WORK}/root/usr/lib/python3/dist-packages" "STONESTACK_DATA=${WORK}/root/usr/share/stonestack"
+  set(modules "PYTHONPATH=${WORK}/root/usr/lib/python3/dist-packages")
+  execute_process(COMMAND ${CMAKE_COMMAND} -E env --unset=LD_LIBRARY_PATH --unset=STONESTACK_DATA "${modules}"
     "${PYTHON}" -B -c "import stonestack as s; print(s.__file__, s.search(stones='limestone_1').placements[0].stone)"
     WORKING_DIRECTORY "${WORK}/elsewhere" RESULT_VARIABLE result OUTPUT_VARIABLE text ERROR_VARIABLE problem)
   if(NOT result EQUAL 0 OR NOT text MATCHES "^${WORK}/root/.* limestone_1")
     message(FATAL_ERROR "the packaged Python module does not work (${result}):\n${text}${problem}")
+  endif()
+  if(MYPY)
+    run(log ${CMAKE_COMMAND} -E env --unset=MYPYPATH "${modules}" "${MYPY}" --strict --allow-untyped-calls --cache-dir=/dev/null
+      "${ROOT}/examples/python/build_a_tower.py" "${ROOT}/examples/python/make_arch.py")
   endif()
 endif()
