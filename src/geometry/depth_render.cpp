@@ -19,7 +19,7 @@ struct Instance {
 
 struct Hit {
   double t = 0.0;  ///< in lengths of the given direction
-  int instance = -1;
+  int instance = -1, face = -1;
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
 };
 
@@ -68,7 +68,7 @@ Hit RayScene::Scene::first_hit(const Eigen::Vector3d& from, const Eigen::Vector3
   double t = static_cast<double>(query.ray.tfar);
   if (std::abs(towards) > 1e-3 * direction.norm())
     t = std::max(0.0, normal.dot(instance.face_corner[query.hit.primID] - from) / towards);
-  return {t, static_cast<int>(query.hit.geomID), normal};
+  return {t, static_cast<int>(query.hit.geomID), static_cast<int>(query.hit.primID), normal};
 }
 
 RayScene::RayScene() : scene_(std::make_unique<Scene>()) {}
@@ -115,7 +115,7 @@ RayHit RayScene::cast(const Eigen::Vector3d& p_W_from, const Eigen::Vector3d& di
   const double length = direction_W.norm();
   require(length > 0.0 && std::isfinite(length), "a ray needs a direction, got ", direction_W.transpose());
   const Hit hit = scene_->first_hit(p_W_from, direction_W / length);
-  return {hit.t, hit.instance, hit.normal};
+  return {hit.t, hit.instance, hit.face, hit.normal};
 }
 
 bool RayScene::is_blocked(const Eigen::Vector3d& p_W_from, const Eigen::Vector3d& direction_W,

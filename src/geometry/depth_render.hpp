@@ -11,6 +11,7 @@ namespace stonestack::geometry {
 struct RayHit {
   double distance = 0.0;   ///< distance [m] along the unit ray
   int instance = -1;       ///< index of `add`, in order
+  int face = -1;           ///< of the instance's mesh
   Eigen::Vector3d normal;  ///< of the hit face, unit, towards the outside of its mesh, world frame
 };
 

@@ -85,7 +85,8 @@ Track track_of(const std::vector<Keyframe>& motion) {
     last = q;
     track.time.push_back(static_cast<float>(time));
     for (const double x : pose.translation()) track.position.push_back(static_cast<float>(x));
-    for (const double x : q.normalized().coeffs()) track.turn.push_back(static_cast<float>(x));
+    q.normalize();
+    for (const double x : q.coeffs()) track.turn.push_back(static_cast<float>(x));
   };
   for (std::size_t i = 0; i < motion.size(); ++i) {
     if (i > 0 && motion[i].time - motion[i - 1].time > kCarried)

@@ -23,6 +23,7 @@ constexpr double kSkyReach = 0.5;   // m: what is further away hides no sky
 constexpr int kSamplesPerSide = 2;  // 2 x 2 rays a pixel, each with its share of the sky
 constexpr int kSamples = kSamplesPerSide * kSamplesPerSide;
 constexpr double kSunReach = 10.0;    // m
+constexpr double kGrain = 0.12;       // of a face's brightness, at most
 constexpr double kShadowBias = 2e-4;  // m
 const Eigen::Vector3d kTableColour(0.58, 0.60, 0.62);
 const Eigen::Vector3d kSky(0.86, 0.90, 0.96);
@@ -76,13 +77,20 @@ struct Painter {
     if (hit.instance < 0) return kSky;
     const Eigen::Vector3d normal = hit.normal.dot(ray) > 0 ? Eigen::Vector3d(-hit.normal) : hit.normal;
     const Eigen::Vector3d point = eye + hit.distance * ray + kShadowBias * normal;
-    const Eigen::Vector3d base =
-        hit.instance == 0 ? kTableColour : meshes[static_cast<std::size_t>(hit.instance - 1)].colour;
+    const Eigen::Vector3d base = hit.instance == 0 ? kTableColour : colour_of(hit);
     const double facing = std::max(0.0, normal.dot(kSun));
     const double sun = facing > 0 && !is_blocked(point, kSun, kSunReach) ? facing : 0.0;
     const Eigen::Vector3d light =
         0.62 * sun * Eigen::Vector3d(1.0, 0.96, 0.88) + 0.52 * openness(point, normal, sample, turn) * kSky;
     return base.cwiseProduct(light);
+  }
+
+  [[nodiscard]] Eigen::Vector3d colour_of(const RayHit& hit) const {
+    const DrawnMesh& mesh = meshes[static_cast<std::size_t>(hit.instance - 1)];
+    if (!mesh.grain) return mesh.colour;
+    Random random =
+        Random::stream(static_cast<std::uint64_t>(hit.instance), static_cast<std::uint64_t>(hit.face));
+    return mesh.colour * random.uniform(1.0 - kGrain, 1.0 + kGrain);
   }
 
   /// Share of the sky that a point sees, by every fourth of its directions.

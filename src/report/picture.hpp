@@ -20,6 +20,7 @@ struct DrawnMesh {
   Pose T_W_A = Pose::Identity();
   Eigen::Vector3d colour{0.75, 0.72, 0.66};  ///< 0..1
   bool solid = true;                         ///< false: a line of a drawing, which casts no shadow
+  bool grain = false;  ///< true: faces differ a little in brightness, so that edges are seen
 };
 
 /// Where the picture is taken from.

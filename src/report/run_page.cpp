@@ -236,6 +236,26 @@ bool same_placement(const Placement& a, const Placement& b) {
   return a.stone == b.stone && a.T_W_O.isApprox(b.T_W_O, 1e-9);
 }
 
+/// Why a placement was preferred to the others that were offered.
+std::string reason_of(const Placement& chosen, const std::vector<Placement>& offered,
+                      const Catalogue& catalogue) {
+  const Placement* best = nullptr;  // of the others
+  for (const Placement& other : offered)
+    if (!same_placement(other, chosen) && (best == nullptr || other.expected_height > best->expected_height))
+      best = &other;
+  if (best == nullptr) return "the only placement that was offered";
+  const std::string next = format("%s %.2f", catalogue[best->stone].name.c_str(), best->expected_height);
+  if (chosen.expected_height >= best->expected_height)
+    return format(
+        "%.2f stones are expected to stand in the end by this route, the most of %zu placements (next: %s)",
+        chosen.expected_height, offered.size(), next.c_str());
+  return format(
+      "%.2f stones are expected to stand in the end by this route; %s by another, which motion planning or "
+      "an "
+      "earlier failure ruled out",
+      chosen.expected_height, next.c_str());
+}
+
 json decision_entry(const ActionChosen& chosen, const Catalogue& catalogue, double time,
                     const std::vector<std::string>& why) {
   ActionTitle title{catalogue};
@@ -249,8 +269,28 @@ json decision_entry(const ActionChosen& chosen, const Catalogue& catalogue, doub
     for (const Placement& p : chosen.offered)
       candidates.push_back(candidate_entry(p, same_placement(p, *title.chosen)));
   json reasons = why;
+  if (title.chosen != nullptr && chosen.offered.size() > 1)
+    reasons.push_back(reason_of(*title.chosen, chosen.offered, catalogue));
   if (const auto* stop = std::get_if<Stop>(&chosen.action)) reasons.push_back(stop->reason);
   return {{"t", time}, {"title", text}, {"why", reasons}, {"candidates", candidates}, {"terms", kTerms}};
+}
+
+/// Stones as they were seen, with the standard deviations of their poses (mm along x, y, z; deg), and the
+/// cloud (millimetres, packed).
+json view_entry(const Observed& observed, double time) {
+  json stones = json::array(), sigmas = json::array();
+  for (const auto* list : {&observed.world.stack, &observed.world.loose})
+    for (const StoneEstimate& s : *list) {
+      stones.push_back({s.stone, numbers(s.T_W_O_seen)});
+      const Eigen::Vector3d mm = 1e3 * s.sigma.translation_W;
+      sigmas.push_back({rounded(mm.x(), 1e-3), rounded(mm.y(), 1e-3), rounded(mm.z(), 1e-3),
+                        rounded(s.sigma.turn * 57.295779513082321, 1e-3)});
+    }
+  std::vector<std::int16_t> cloud;
+  for (const Eigen::Vector3f& p_W : observed.cloud_W)
+    for (int i = 0; i < 3; ++i)
+      cloud.push_back(static_cast<std::int16_t>(std::lround(std::clamp(1e3F * p_W[i], -32e3F, 32e3F))));
+  return {{"t", time}, {"stones", stones}, {"sigmas", sigmas}, {"cloud", packed(cloud)}};
 }
 
 /// Adds events from `from` on, in order of time: views of the stones, resting towers, decisions, log lines.
@@ -264,10 +304,7 @@ void add_events(json& page, const RunReport& report, const Catalogue& catalogue,
     const std::string text = to_text(event, catalogue);
     if (!text.empty()) events.push_back({{"t", time}, {"text", text}});
     if (const auto* observed = std::get_if<Observed>(&event)) {
-      json stones = json::array();
-      for (const auto* list : {&observed->world.stack, &observed->world.loose})
-        for (const StoneEstimate& s : *list) stones.push_back({s.stone, numbers(s.T_W_O_seen)});
-      views.push_back({{"t", time}, {"stones", stones}});
+      views.push_back(view_entry(*observed, time));
       const auto& resting = observed->world.resting;
       const auto whole = std::find_if(resting.begin(), resting.end(), [](const RestingStack& r) {
         return r.stack && !r.stack->stones.empty();
@@ -368,10 +405,17 @@ std::string cost_figure(const RunReport& report) {
   return figure5_svg(alone);
 }
 
+/// "Wall of 3".
+std::string titled(const RunResult& result) {
+  std::string title = concat(structure_name(result.wall), " of ", result.height);
+  title.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(title.front())));
+  return title;
+}
+
 /// Values that a run changes as it goes on.
 json values_of(const RunReport& report, const RobotModel& robot, const Times& times) {
   const RunResult& result = report.result;
-  return {{"title", concat("Tower of ", result.height)},
+  return {{"title", titled(result)},
           {"height", result.height},
           {"paper_height", paper_height(report)},
           {"ended", to_text(result.end)},

@@ -243,7 +243,7 @@ std::vector<DrawnMesh> drawn_stones(const Catalogue& catalogue, const std::vecto
   std::vector<DrawnMesh> drawn;
   for (const auto& placed : stones)
     drawn.push_back({catalogue[placed.stone].scan, placed.T_W_O,
-                     kColours[static_cast<std::size_t>(placed.stone.value()) % kColours.size()]});
+                     kColours[static_cast<std::size_t>(placed.stone.value()) % kColours.size()], true, true});
   return drawn;
 }
 

@@ -9,6 +9,8 @@
 namespace stonestack::report {
 namespace {
 
+constexpr double kDrawnContact = 0.0005;  // m between stones that are drawn as touching
+
 /// Of a stone of the stack, or the table.
 std::string level_name(const TowerCheck& check, const Catalogue& catalogue, int level) {
   if (level == kTable) return "the table";
@@ -23,6 +25,21 @@ const Contact* weakest_contact(const TowerCheck& check) {
 
 double degrees(const Eigen::Vector2d& direction) {
   return std::atan2(direction.y(), direction.x()) * 180.0 / M_PI;
+}
+
+/// Red points where stones touch each other, as they are drawn.
+void draw_contacts(const Catalogue& catalogue, const std::vector<PlacedStone>& stones,
+                   std::vector<DrawnMesh>& meshes) {
+  std::vector<Stone> used;
+  Stack stack;
+  for (const PlacedStone& placed : stones) {
+    stack.stones.push_back({StoneIndex(static_cast<int>(used.size())), placed.T_W_O});
+    used.push_back(catalogue[placed.stone]);
+  }
+  for (const Contact& contact : geometric_contacts(make_contact_shapes(used), stack, kDrawnContact))
+    if (contact.below != kTable)
+      meshes.push_back(
+          {make_sphere(0.004, 1), Pose(Eigen::Translation3d(contact.p_W)), {0.85, 0.15, 0.10}, false});
 }
 
 }  // namespace
@@ -94,12 +111,13 @@ std::string tower_text(const TowerCheck& check, const Catalogue& catalogue) {
 
 void draw_tower(const std::string& path, const Catalogue& catalogue, const std::vector<PlacedStone>& stones,
                 const Eigen::Vector2d& site, double radius) {
-  const auto meshes = drawn_stones(catalogue, stones);
+  auto meshes = drawn_stones(catalogue, stones);
   double top = 0.0;
   for (const auto& item : meshes) {
     const auto box = bounds(transformed(item.mesh, item.T_W_A));
     if ((box.center().head<2>() - site).norm() < radius) top = std::max(top, box.max().z());
   }
+  draw_contacts(catalogue, stones, meshes);
   write_png(path, draw(meshes, view_of_site(site, top)));
 }
 

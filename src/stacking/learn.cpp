@@ -199,6 +199,29 @@ RunMemory undo(RunMemory memory, const Attempt& attempt) {
   return memory;
 }
 
+constexpr std::size_t kCloudPoints = 5000;              // of an observation, for reports
+constexpr double kCloudLow = -0.02, kCloudHigh = 0.60;  // m above the table
+
+/// An even choice of the points that the views of an estimate show near the table.
+std::vector<Eigen::Vector3f> cloud_of(const WorldEstimate& world) {
+  std::vector<Eigen::Vector3f> cloud;
+  if (!world.views) return cloud;
+  std::size_t pixels = 0;
+  for (const CameraView& view : *world.views) pixels += view.image.z.size();
+  const std::size_t step = std::max<std::size_t>(1, pixels / (2 * kCloudPoints));
+  for (const CameraView& view : *world.views)
+    for (std::size_t k = 0; k < view.image.z.size(); k += step) {
+      const auto z = static_cast<double>(view.image.z[k]);
+      if (!(z > 0.0)) continue;
+      const auto width = static_cast<std::size_t>(view.image.camera.width);
+      const Eigen::Vector3d p_W =
+          view.T_W_C *
+          (z * deproject(view.image.camera, static_cast<double>(k % width), static_cast<double>(k / width)));
+      if (p_W.z() > kCloudLow && p_W.z() < kCloudHigh) cloud.push_back(p_W.cast<float>());
+    }
+  return cloud;
+}
+
 }  // namespace
 
 std::string to_text(PlacementRecord::Outcome outcome) {
@@ -376,7 +399,7 @@ RunMemory learn(RunMemory memory, const WorldEstimate& seen, const Models& model
     }
   WorldEstimate without_views = seen;
   without_views.views.reset();
-  emit(Observed{std::move(without_views)});
+  emit(Observed{std::move(without_views), cloud_of(seen)});
   if (memory.wall && models.wall)
     emit(WallMeasured{measure_wall(models, arrangement, memory, options.search)});
   if (!memory.attempt) return memory;

@@ -22,9 +22,25 @@ void keep_better(std::vector<Sighting>& sightings, const Sighting& seen) {
   }
 }
 
+/// Standard deviations in W of a pose that was found in C.
+PoseSigma sigma_of(const Pose& T_W_C, const Detection& found) {
+  const Eigen::Matrix3d R_W_C = T_W_C.linear();
+  PoseSigma sigma;
+  sigma.translation_W = (R_W_C * found.covariance.topLeftCorner<3, 3>() * R_W_C.transpose())
+                            .diagonal()
+                            .cwiseMax(0.0)
+                            .cwiseSqrt();
+  sigma.turn = std::sqrt(std::max(0.0, found.covariance.bottomRightCorner<3, 3>().trace()) / 3.0);
+  return sigma;
+}
+
+Sighting sighting_of(const Pose& T_W_C, const Detection& found) {
+  return {found.stone,   T_W_C * found.T_C_O, found.score,
+          found.visible, found.certainty,     sigma_of(T_W_C, found)};
+}
+
 void add(std::vector<Sighting>& sightings, const Pose& T_W_C, const DetectionResult& result) {
-  for (const auto& found : result.detections)
-    keep_better(sightings, {found.stone, T_W_C * found.T_C_O, found.score, found.visible, found.certainty});
+  for (const auto& found : result.detections) keep_better(sightings, sighting_of(T_W_C, found));
 }
 
 bool seen(const std::vector<Sighting>& sightings, StoneIndex stone) {
@@ -170,8 +186,7 @@ std::vector<Sighting> find_in_views(const std::vector<CameraView>& views, const 
       for (const auto& placed : *group)
         if (const auto found =
                 track_stone(view.image, models, placed.stone, view.T_W_C.inverse() * placed.T_W_O, options))
-          keep_better(sightings, {placed.stone, view.T_W_C * found->T_C_O, found->score, found->visible,
-                                  found->certainty});
+          keep_better(sightings, sighting_of(view.T_W_C, *found));
   // What is hidden too much to be found again is where it was if what stands on it is.
   std::vector<Sighting> explained = sightings;
   for (const PlacedStone& hidden : carrying(before.stack, sightings))

@@ -193,6 +193,11 @@ Observation observe(Workcell& w, const Expectation& expected, const WhileMoving&
   world.stack = std::move(stones.stack);
   world.loose = std::move(stones.loose);
   world.site = seen.site;
+  for (auto* list : {&world.stack, &world.loose})
+    for (StoneEstimate& stone : *list)
+      for (const Sighting& sighting : sightings)
+        if (sighting.stone == stone.stone && sighting.T_W_O.isApprox(stone.T_W_O_seen, 1e-9))
+          stone.sigma = sighting.sigma;
   std::vector<PlacedStone> found;
   for (const Sighting& sighting : sightings) found.push_back({sighting.stone, sighting.T_W_O});
   set_unknown_objects(w, unknown_objects(w, seen.views, found));

@@ -112,6 +112,30 @@ def browse(browser, report, picture):
     browser.click("#decisions > li:first-child button.jump")
     check(browser.run("return scene.layers.candidates.visible && scene.layers.candidates.children.length > 0"),
           "candidate poses are a layer")
+    browser.run("show(duration)")
+    browser.click("#layer-mass")
+    check(browser.run("return scene.layers.mass.visible && scene.layers.mass.children.length > 1"),
+          "centres of mass and thrust line are a layer")
+    browser.click("#layer-detections")
+    check(browser.run("""
+        const balls = scene.layers.detections.children.filter((part) => part.userData.sigma);
+        return scene.layers.detections.visible && balls.length > 0 &&
+            balls.every((ball) => ball.userData.sigma.every((mm) => mm > 0.005 && mm < 20) && ball.userData.turn > 0)"""),
+          "detections are a layer, with their uncertainty")
+    browser.click("#layer-cloud")
+    check(browser.run("""
+        const [points] = scene.layers.cloud.children;
+        const p = points ? points.geometry.attributes.position : {count: 0};
+        return scene.layers.cloud.visible && p.count > 500 && Array.from(p.array).every((x) => Math.abs(x) < 3)"""),
+          "the points of the camera are a layer")
+    browser.click("#layer-support")
+    browser.run("show(run.decisions.find((d) => d.candidates.some((c) => c.chosen && c.support.length)).t)")
+    check(browser.run("return scene.layers.support.visible && scene.layers.support.children.length > 0"),
+          "the support polygon is a layer")
+    check(browser.run("return run.decisions.some((d) => d.candidates.length > 1 && d.why.some((w) => w.includes('expected to stand')))"),
+          "a decision says why it was preferred")
+    for layer in ("mass", "detections", "cloud", "support"):
+        browser.click("#layer-" + layer)
     browser.click("#play")
     time.sleep(1.0)
     check(browser.run("return playing && now") > 0, "the run plays")

@@ -145,6 +145,28 @@ class Exports(unittest.TestCase):
         self.assertGreater(positions[:, 2].max(), measured[2] + 0.05)  # it was lifted
         self.assertGreater(np.linalg.norm(positions[0] - positions[-1]), 0.1)  # from where it lay
 
+    def test_glb_turns_are_unit_quaternions_from_where_a_stone_lay_to_where_it_stands(self):
+        path, = export("glb", self.folder)
+        data = path.read_bytes()
+        size, = struct.unpack_from("<I", data, 12)
+        gltf, start = json.loads(data[20:20 + size]), 20 + size + 8
+        animation = gltf["animations"][0]
+        turns = [channel for channel in animation["channels"] if channel["target"]["path"] == "rotation"]
+        self.assertGreater(len(turns), 0)
+        for channel in turns:
+            entry = gltf["accessors"][animation["samplers"][channel["sampler"]]["output"]]
+            at = start + gltf["bufferViews"][entry["bufferView"]]["byteOffset"]
+            q = np.frombuffer(data, "<f4", entry["count"] * 4, at).reshape(-1, 4)
+            np.testing.assert_allclose(np.linalg.norm(q, axis=1), 1.0, atol=1e-5)
+        measured = [PLACED["T_W_O_measured"][part] for part in ("qx", "qy", "qz", "qw")]
+        name = PLACED["stone"]
+        last = [q for channel in turns if gltf["nodes"][channel["target"]["node"]]["name"] == name
+                for entry in [gltf["accessors"][animation["samplers"][channel["sampler"]]["output"]]]
+                for q in [np.frombuffer(data, "<f4", entry["count"] * 4,
+                                        start + gltf["bufferViews"][entry["bufferView"]]["byteOffset"]).reshape(-1, 4)[-1]]]
+        self.assertEqual(len(last), 1)
+        self.assertAlmostEqual(abs(float(np.dot(last[0], measured))), 1.0, delta=1e-5)
+
     def test_urdf_is_read_by_urdfdom(self):
         path, *meshes = export("urdf", self.folder)
         tree = subprocess.run(["check_urdf", str(path)], check=True, capture_output=True, text=True).stdout

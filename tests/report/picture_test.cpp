@@ -1,8 +1,18 @@
 #include "report/picture.hpp"
 
 #include <gtest/gtest.h>
+#include <png.h>
 
+#include <cstdlib>
+#include <cstring>
 #include <filesystem>
+
+#include "report/drawn_arm.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
+#include "stonestack/motion/planning_scene.hpp"
+#include "stonestack/report/results.hpp"
+#include "stonestack/stacking/observe.hpp"
+#include "stonestack/stone/catalogue.hpp"
 
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
@@ -62,6 +72,92 @@ TEST(Picture, RefusesSenselessViews) {
   view = small_view();
   view.p_W_eye = view.p_W_target + Eigen::Vector3d(0, 0, 1);
   EXPECT_THROW((void)draw({}, view), InvalidArgument);
+}
+
+/// Pixels of a PNG of the size of `picture`.
+std::vector<std::uint8_t> pixels_of(const std::string& path, const Picture& picture) {
+  png_image image;
+  std::memset(&image, 0, sizeof image);
+  image.version = PNG_IMAGE_VERSION;
+  if (png_image_begin_read_from_file(&image, path.c_str()) == 0) return {};
+  image.format = PNG_FORMAT_RGB;
+  std::vector<std::uint8_t> pixels(PNG_IMAGE_SIZE(image));
+  const bool same =
+      static_cast<int>(image.width) == picture.width && static_cast<int>(image.height) == picture.height;
+  if (png_image_finish_read(&image, nullptr, pixels.data(), 0, nullptr) == 0 || !same) return {};
+  return pixels;
+}
+
+/// Compares a picture with the one that was accepted, in tests/data/pictures: at most 1 % of the values may
+/// differ by more than 16 of 255. To accept new ones, draw them into that folder: STONESTACK_PICTURES=FOLDER.
+void expect_as_accepted(const std::string& name, const Picture& drawn) {
+  const char* kept = std::getenv("STONESTACK_PICTURES");  // a folder that they are to be written to, too
+  const std::string now = (kept != nullptr ? std::string(kept) + "/" : test::temporary_folder()) + name;
+  write_png(now, drawn);
+  const std::vector<std::uint8_t> accepted =
+      pixels_of(STONESTACK_SOURCE_DIR "/tests/data/pictures/" + name, drawn);
+  ASSERT_EQ(accepted.size(), drawn.rgb.size()) << "no accepted picture of this size";
+  std::size_t off = 0;
+  for (std::size_t k = 0; k < accepted.size(); ++k)
+    off += std::abs(static_cast<int>(accepted[k]) - static_cast<int>(drawn.rgb[k])) > 16 ? 1 : 0;
+  EXPECT_LT(static_cast<double>(off), 0.01 * static_cast<double>(accepted.size())) << name;
+}
+
+View golden_view() {
+  View view;
+  view.width = 240;
+  view.height = 180;
+  return view;
+}
+
+TEST(GoldenPicture, StonesOnATable) {
+  const Catalogue catalogue = read_catalogue(data_path("stones"));
+  std::vector<PlacedStone> stones;
+  for (int k = 0; k < 3; ++k)
+    stones.push_back({StoneIndex(k), make_pose(Eigen::Vector3d(0.5 + 0.2 * k, 0.28, 0.05))});
+  View near = golden_view();
+  near.p_W_eye = {0.85, -0.35, 0.4};
+  near.p_W_target = {0.7, 0.28, 0.05};
+  expect_as_accepted("stones.png", draw(drawn_stones(catalogue, stones), near));
+}
+
+TEST(GoldenPicture, TheArmWithItsGripper) {
+  const RobotModel robot = read_robot("ur10");
+  ArmPose pose;
+  pose.q << 0.3, -1.6, 1.9, -1.8, -1.57, 0.0;
+  View view = golden_view();
+  view.p_W_eye = {2.2, -1.6, 1.2};
+  view.p_W_target = {0.3, 0.1, 0.4};
+  const CellLayout layout;
+  expect_as_accepted(
+      "arm.png",
+      draw(drawn_arm(robot, stacking::gripper_of(layout), layout.T_W_R, layout.T_F_T, pose), view));
+}
+
+Stone box_stone(const std::string& name, const Eigen::Vector3d& size) {
+  Stone stone;
+  stone.name = name;
+  stone.mesh = stone.scan = make_box(size);
+  stone.mass = mass_properties(stone.scan, stone.density);
+  return stone;
+}
+
+TEST(Picture, ATowerShowsWhereItsStonesTouch) {
+  Catalogue catalogue;
+  catalogue.stones = {box_stone("below", {0.12, 0.12, 0.1}), box_stone("above", {0.08, 0.08, 0.06})};
+  const std::string path = test::temporary_folder() + "tower.png";
+  const auto red_pixels = [&](double gap) {
+    const std::vector<PlacedStone> tower = {{0_stone, make_pose(Eigen::Vector3d(0.7, 0.28, 0.05))},
+                                            {1_stone, make_pose(Eigen::Vector3d(0.7, 0.28, 0.13 + gap))}};
+    draw_tower(path, catalogue, tower, {0.7, 0.28});
+    const std::vector<std::uint8_t> pixels = pixels_of(path, {1200, 900, {}});
+    int red = 0;
+    for (std::size_t k = 0; k + 2 < pixels.size(); k += 3)
+      red += pixels[k] > 2 * pixels[k + 1] && pixels[k] > 2 * pixels[k + 2] ? 1 : 0;
+    return red;
+  };
+  EXPECT_GT(red_pixels(0.0), 50) << "the corners of the upper box";
+  EXPECT_EQ(red_pixels(0.01), 0) << "nothing touches";
 }
 
 }  // namespace

@@ -25,6 +25,8 @@ struct StoneNote {
 /// A new estimate of the world, without its views.
 struct Observed {
   WorldEstimate world;  ///< estimate after the observation
+  /// Some thousand of the points that the camera saw near stones and table, W [m]; for reports.
+  std::vector<Eigen::Vector3f> cloud_W = {};
 };
 /// The wall that is built was measured.
 struct WallMeasured {

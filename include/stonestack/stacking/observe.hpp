@@ -74,6 +74,7 @@ struct Sighting {
   double score = 0.0;             ///< score of the detection
   double visible = 0.0;           ///< share of the stone's surface that was seen
   double certainty = 1.0;         ///< of this stone in this pose: Detection::certainty
+  PoseSigma sigma = {};           ///< standard deviations of the pose
 };
 
 /// Knowledge of the stones of a scene before it is viewed.

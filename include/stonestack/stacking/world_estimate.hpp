@@ -26,12 +26,19 @@ struct CameraView {
 /// Views of one observation, in order.
 using Views = std::vector<CameraView>;
 
+/// Standard deviations of a pose that was measured; 0: unknown.
+struct PoseSigma {
+  Eigen::Vector3d translation_W = Eigen::Vector3d::Zero();  ///< along the axes of W [m]
+  double turn = 0.0;                                        ///< root mean square about the three axes [rad]
+};
+
 /// Where one stone is.
 struct StoneEstimate {
   StoneIndex stone = kNoStone;            ///< index into the catalogue
   Pose T_W_O_seen = Pose::Identity();     ///< as the camera showed it last while it had not come to rest; as
                                           ///< aimed before it was seen
   Pose T_W_O_at_rest = Pose::Identity();  ///< where it rests according to physics; of a loose stone as seen
+  PoseSigma sigma = {};                   ///< of `T_W_O_seen`; no decision depends on it
 };
 
 /// The site when a run begins: not seen, nothing on it, or something.

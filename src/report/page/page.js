@@ -91,6 +91,7 @@ function show(time) {
   if (sample) scene.arm.move(sample);
   scene.showDecision(decision);
   scene.showTower(lastBefore(run.towers, now));
+  scene.showView(lastBefore(run.views, now) || run.views[0]);
   scene.render();
 }
 
@@ -138,7 +139,7 @@ function fillDecisions() {
     jump.type = 'button';
     jump.addEventListener('click', () => { play(false); show(decision.t); });
     item.append(jump);
-    for (const line of decision.why.slice(-3)) item.append(make('p', line));
+    for (const line of decision.why.slice(-4)) item.append(make('p', line));
     if (decision.candidates.length) {
       const more = make('details'), table = make('table'), box = make('div', undefined, 'wide');
       more.append(make('summary', `${decision.candidates.length} placement${decision.candidates.length > 1 ? 's' : ''} compared`), box);
@@ -250,7 +251,7 @@ function start() {
     $('layers').textContent = text;
   }
   if (scene) {
-    const labels = {candidates: 'candidate poses', support: 'support polygon', contacts: 'contacts and forces',
+    const labels = {detections: 'detections, standard deviations x 40', cloud: 'points that the camera saw', candidates: 'candidate poses', support: 'support polygon', contacts: 'contacts and forces',
       mass: 'centres of mass and thrust line'};
     for (const [name, group] of Object.entries(scene.layers)) addLayer(name, labels[name], group, false, scene.render);
   }

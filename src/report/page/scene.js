@@ -212,7 +212,7 @@ function makeScene(element, view = RUN_VIEW) {
 
   // Layers: groups that are shown or hidden, filled for a moment in time.
   const layers = {};
-  for (const name of ['candidates', 'support', 'contacts', 'mass']) scene.add(layers[name] = new THREE.Group());
+  for (const name of ['detections', 'cloud', 'candidates', 'support', 'contacts', 'mass']) scene.add(layers[name] = new THREE.Group());
   // Drawn last and through what stands before it.
   const addOnTop = (group, object) => {
     object.traverse((part) => {
@@ -266,6 +266,35 @@ function makeScene(element, view = RUN_VIEW) {
       new THREE.LineBasicMaterial({color: 0x1d5fa8})));
   };
 
+  // Stones as they were seen last: ellipsoids of one standard deviation, enlarged, and the points of the camera.
+  let viewShown = null;
+  const showView = (view) => {
+    if (view === viewShown) return;
+    viewShown = view;
+    clear(layers.detections);
+    clear(layers.cloud);
+    if (!view) return;
+    view.stones.forEach(([stone, pose], i) => {
+      const [x, y, z, turn] = view.sigmas[i];
+      const outline = new THREE.LineSegments(new THREE.EdgesGeometry(stones[stone].geometry, 40),
+          new THREE.LineBasicMaterial({color: 0x7a3fa8}));
+      setPose(outline, pose);
+      addOnTop(layers.detections, outline);
+      if (!(x + y + z > 0)) return;
+      const ball = new THREE.Mesh(new THREE.SphereBufferGeometry(1, 20, 14),
+          new THREE.MeshBasicMaterial({color: 0x7a3fa8, opacity: 0.5}));
+      ball.position.set(pose[0], pose[1], pose[2]);
+      ball.scale.set(Math.max(0.04 * x, 1e-4), Math.max(0.04 * y, 1e-4), Math.max(0.04 * z, 1e-4));
+      ball.userData = {stone, sigma: [x, y, z], turn};
+      addOnTop(layers.detections, ball);
+    });
+    const millimetres = decode(view.cloud, Int16Array);
+    const points = new THREE.BufferGeometry();
+    points.setAttribute('position', new THREE.BufferAttribute(Float32Array.from(millimetres, (v) => 1e-3 * v), 3));
+    layers.cloud.add(new THREE.Points(points,
+        new THREE.PointsMaterial({color: 0x1d7a8a, size: 2.5, sizeAttenuation: false})));
+  };
+
   const camera = new THREE.PerspectiveCamera(38, 1, 0.02, 20);
   camera.up.set(0, 0, 1);
   camera.position.set(...view.eye);
@@ -286,5 +315,5 @@ function makeScene(element, view = RUN_VIEW) {
     arm = makeArm(model);
     scene.add(arm.base);
   };
-  return {get arm() { return arm; }, setArm, stones, layers, showDecision, showTower, render, addOnTop, clear, root: scene, element: renderer.domElement};
+  return {get arm() { return arm; }, setArm, stones, layers, showDecision, showTower, showView, render, addOnTop, clear, root: scene, element: renderer.domElement};
 }

@@ -14,9 +14,9 @@ namespace stonestack::search {
 namespace {
 
 constexpr double kSupportDensity = 2600.0;  // kg/m^3
-constexpr std::size_t kBeam = 5;            // structures that get their next stone
+constexpr std::size_t kBeams[] = {5, 12};   // structures that get their next stone; the second if need be
 constexpr std::size_t kSettledAtPlace = 8;  // proposals of a place that are let down in simulation
-constexpr std::size_t kJudgedForBeam = 15;  // stones that are judged for a beam, at most
+constexpr std::size_t kJudgedForEach = 3;   // stones that are judged for each of a beam, at most
 constexpr std::size_t kOfOneParent = 2;     // structures of a beam that go on from the same one, at first
 constexpr double kLooksAlike = 0.004;       // m by which the stones of two structures of a beam differ
 constexpr std::size_t kMaxStones = 12;      // of a structure
@@ -71,6 +71,18 @@ StackField field_of(const SearchContext& context, const SpanTask& task, const Wa
     }
   }
   return field;
+}
+
+/// From where to where along x a stone on the table goes below a height, from its centre of mass [m].
+std::pair<double, double> reach_below(const StoneGeometry& stone, const WallSide& side, double height) {
+  std::pair<double, double> reach{0.0, 0.0};
+  for (const Eigen::Vector3d& p_M : stone.vertices_M) {
+    const Eigen::Vector3d p = side.R_W_O * p_M;
+    if (p.z() + side.on_table.height > height) continue;
+    reach.first = std::min(reach.first, p.x());
+    reach.second = std::max(reach.second, p.x());
+  }
+  return reach;
 }
 
 /// Is there something on the table where a stone is proposed?
@@ -220,7 +232,7 @@ std::vector<SpanSearch::Place> SpanSearch::places(const WallState& state) const 
     made.place.course = 1;
     made.place.centre = {x, 0.0};
     made.place.field = field;
-    made.place.wanted = [x](const WallSide& side) {
+    made.place.wanted = [x](const WallStone&, const WallSide& side) {
       return Eigen::Vector2d(x, -0.5 * (side.extents.min + side.extents.max).y());
     };
     made.place.worth = std::move(worth);
@@ -280,9 +292,9 @@ std::vector<SpanSearch::Place> SpanSearch::places(const WallState& state) const 
       if (!task_.on_table) continue;
       Place made;
       made.on_table = true;
-      made.place.wanted = [edge, left](const WallSide& side) {
-        const double x =
-            left ? edge - kBesideSpan - side.extents.max.x() : edge + kBesideSpan - side.extents.min.x();
+      made.place.wanted = [edge, left, span](const WallStone& stone, const WallSide& side) {
+        const auto [from, to] = reach_below(*stone.geometry, side, span.clear + kSags);
+        const double x = left ? edge - kBesideSpan - to : edge + kBesideSpan - from;
         return Eigen::Vector2d(x, -0.5 * (side.extents.min + side.extents.max).y());
       };
       made.place.worth = pier;
@@ -328,16 +340,16 @@ std::vector<SpanSearch::Child> SpanSearch::children(const Node& node) {
   return list;
 }
 
-std::vector<SpanSearch::Node> SpanSearch::next_beam(std::vector<Child> children) {
+std::vector<SpanSearch::Node> SpanSearch::next_beam(std::vector<Child> children, std::size_t width) {
   std::stable_sort(children.begin(), children.end(),
                    [](const Child& p, const Child& q) { return p.value > q.value; });
   std::vector<Node> beam;
   std::vector<bool> used(children.size(), false);
   std::size_t judged = 0;
   // First few of each parent, then any.
-  for (const std::size_t of_parent : {kOfOneParent, kBeam})
+  for (const std::size_t of_parent : {kOfOneParent, width})
     for (std::size_t k = 0; k < children.size(); ++k) {
-      if (beam.size() == kBeam || judged == kJudgedForBeam || context_.out_of_time()) return beam;
+      if (beam.size() == width || judged == kJudgedForEach * width || context_.out_of_time()) return beam;
       Child& child = children[k];
       const auto same = std::count_if(beam.begin(), beam.end(),
                                       [&](const Node& node) { return node.parent == child.parent; });
@@ -361,6 +373,31 @@ void SpanSearch::keep(const Node& node) {
   context_.log(concat(stones, stones == 1 ? " stone stands" : " stones stand"));
 }
 
+void SpanSearch::search(std::size_t width) {
+  std::vector<Node> beam{{start_, value_of(start_), nullptr}};
+  const std::size_t most = start_.stones.size() + std::min(kMaxStones, stones_.size());
+  while (!done_ && !beam.empty() && beam.front().state.stones.size() < most && !context_.out_of_time()) {
+    std::vector<Child> all;
+    for (const Node& from : beam) {
+      std::vector<Child> of_node = children(from);
+      std::move(of_node.begin(), of_node.end(), std::back_inserter(all));
+    }
+    if (all.empty() && placing_.reason.empty()) placing_.reason = "no stone that is left fits";
+    std::vector<Node> next = next_beam(std::move(all), width);
+    const Node* finished = nullptr;
+    for (const Node& one : next) {
+      keep(one);
+      if (!is_done(context_, task_, one.state)) continue;
+      if (finished == nullptr || sureness(one.state) > sureness(finished->state)) finished = &one;
+    }
+    if (finished != nullptr) {
+      best_ = *finished;
+      done_ = true;
+    }
+    beam = std::move(next);
+  }
+}
+
 void SpanSearch::run(const std::vector<WallPlacement>& rest, bool rest_only) {
   try {
     Node node{start_, value_of(start_), nullptr};
@@ -377,28 +414,8 @@ void SpanSearch::run(const std::vector<WallPlacement>& rest, bool rest_only) {
       best_ = node;
     }
     if (done_ || rest_only) return;
-    std::vector<Node> beam{{start_, value_of(start_), nullptr}};
-    const std::size_t most = start_.stones.size() + std::min(kMaxStones, stones_.size());
-    while (!done_ && !beam.empty() && beam.front().state.stones.size() < most && !context_.out_of_time()) {
-      std::vector<Child> all;
-      for (const Node& from : beam) {
-        std::vector<Child> of_node = children(from);
-        std::move(of_node.begin(), of_node.end(), std::back_inserter(all));
-      }
-      if (all.empty() && placing_.reason.empty()) placing_.reason = "no stone that is left fits";
-      std::vector<Node> next = next_beam(std::move(all));
-      const Node* finished = nullptr;
-      for (const Node& one : next) {
-        keep(one);
-        if (!is_done(context_, task_, one.state)) continue;
-        if (finished == nullptr || sureness(one.state) > sureness(finished->state)) finished = &one;
-      }
-      if (finished != nullptr) {
-        best_ = *finished;
-        done_ = true;
-      }
-      beam = std::move(next);
-    }
+    for (const std::size_t width : kBeams)
+      if (!done_ && !context_.out_of_time()) search(width);
     if (!done_ && context_.out_of_time()) placing_.reason = kTimeOver;
   } catch (const Interrupted&) {
     placing_.reason = why_interrupted();

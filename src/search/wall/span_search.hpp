@@ -44,7 +44,9 @@ class SpanSearch {
 
   [[nodiscard]] std::vector<Place> places(const WallState& state) const;
   [[nodiscard]] std::vector<Child> children(const Node& node);
-  [[nodiscard]] std::vector<Node> next_beam(std::vector<Child> children);
+  [[nodiscard]] std::vector<Node> next_beam(std::vector<Child> children, std::size_t width);
+  /// A beam search with beams of `width` structures, from the start.
+  void search(std::size_t width);
   [[nodiscard]] double value_of(const WallState& state) const;
   [[nodiscard]] double load_borne(const StackStatics& statics, const SpanEnd& end) const;
   [[nodiscard]] bool is_support(int stone) const;

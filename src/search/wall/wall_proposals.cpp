@@ -68,7 +68,7 @@ std::optional<WallProposal> best_landing(const StackField& field, const WallSton
                                          const WallSide& side, const WallPlace& place, GapField* buffer,
                                          long* evaluated) {
   const HeightRaster& heights = field.surface.heights;
-  const Eigen::Vector2d from = (place.wanted(side) - heights.centre) / heights.cell;
+  const Eigen::Vector2d from = (place.wanted(stone, side) - heights.centre) / heights.cell;
   OffsetGrid offsets;
   offsets.n = kSlotOffsets;
   offsets.step = std::max(1, static_cast<int>(std::lround(kSlotPitch / heights.cell)));
@@ -146,7 +146,7 @@ std::vector<WallProposal> on_the_table(const std::vector<const WallStone*>& ston
   for (const WallStone* stone : stones)
     for (const WallSide& side : stone->sides) {
       Eigen::Vector3d p_W;
-      p_W << place.wanted(side), side.on_table.height;
+      p_W << place.wanted(*stone, side), side.on_table.height;
       const double firmness = std::min(friction, side.on_table.margin / side.on_table.lever);
       list.push_back(proposal_of(*stone, side, place, side.R_W_O, p_W, side.on_table, firmness));
     }
@@ -230,7 +230,7 @@ WallProposals wall_proposals(const SearchContext& context, const WallState& stat
   const std::vector<const WallStone*> left = stones_left(stones, state);
   WallPlace place;
   place.course = slot.course;
-  place.wanted = [&](const WallSide& side) { return wanted_place(slot, side); };
+  place.wanted = [&](const WallStone&, const WallSide& side) { return wanted_place(slot, side); };
   place.worth = [&](const WallStonePlaced& placed, double firmness) {
     return worth_in_slot(slot, placed, firmness, context.options->friction);
   };

@@ -79,7 +79,7 @@ struct WallPlace {
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();     ///< of what `field` covers [m]
   std::function<StackField(const SurfaceGrid&)> field;  ///< the surface that a stone is laid over
   /// Where the centre of mass of a side goes before it is moved about [m].
-  std::function<Eigen::Vector2d(const WallSide&)> wanted;
+  std::function<Eigen::Vector2d(const WallStone&, const WallSide&)> wanted;
   /// Larger is better; the second argument is the horizontal acceleration that the stone bears [g].
   std::function<double(const WallStonePlaced&, double)> worth;
 };
