@@ -19,6 +19,9 @@ enum class McapRecord : std::uint8_t {
   kSchema = 3,
   kChannel = 4,
   kMessage = 5,
+  kChunk = 6,
+  kMessageIndex = 7,
+  kChunkIndex = 8,
   kStatistics = 11,
   kDataEnd = 15
 };
@@ -95,6 +98,75 @@ std::vector<TimedMessage> messages_of(const RunRecord& record) {
   return list;
 }
 
+/// All messages in one chunk, with what a reader needs to find them by time.
+struct McapChunk {
+  std::string records;                                                                  ///< the messages
+  std::uint64_t first = 0, last = 0;                                                    ///< times, ns
+  std::map<std::uint16_t, std::uint64_t> counts;                                        ///< of each channel
+  std::map<std::uint16_t, std::vector<std::pair<std::uint64_t, std::uint64_t>>> index;  ///< time and offset
+};
+
+McapChunk chunk_of(const std::vector<TimedMessage>& messages) {
+  McapChunk chunk;
+  for (const TimedMessage& message : messages) {
+    const auto time = static_cast<std::uint64_t>(std::llround(std::clamp(message.time, 0.0, 1e9) * 1e9));
+    if (&message == &messages.front()) chunk.first = time;
+    chunk.last = time;
+    chunk.index[message.channel].emplace_back(time, chunk.records.size());
+    std::string content;
+    put(content, message.channel);
+    put(content, static_cast<std::uint32_t>(chunk.counts[message.channel]++));
+    put(content, time);  // logged
+    put(content, time);  // published
+    content += message.data.dump(-1, ' ', false, json::error_handler_t::replace);
+    put_record(chunk.records, McapRecord::kMessage, content);
+  }
+  return chunk;
+}
+
+/// Appends the chunk and its message indices to the file.
+/// @return the content of the chunk's index, for the summary
+std::string put_chunk(std::string& file, const McapChunk& chunk) {
+  const auto size = static_cast<std::uint64_t>(chunk.records.size());
+  const auto start = static_cast<std::uint64_t>(file.size());
+  std::string content;
+  put(content, chunk.first);
+  put(content, chunk.last);
+  put(content, size);
+  put(content, std::uint32_t{0});  // no checksum
+  put_text(content, "");           // not compressed
+  put(content, size);
+  content += chunk.records;
+  put_record(file, McapRecord::kChunk, content);
+  const auto length = static_cast<std::uint64_t>(file.size()) - start;
+  const auto indices = static_cast<std::uint64_t>(file.size());
+  std::string offsets;
+  for (const auto& [channel, entries] : chunk.index) {
+    put(offsets, channel);
+    put(offsets, static_cast<std::uint64_t>(file.size()));
+    std::string index;
+    put(index, channel);
+    put(index, static_cast<std::uint32_t>(entries.size() * 16));
+    for (const auto& [time, offset] : entries) {
+      put(index, time);
+      put(index, offset);
+    }
+    put_record(file, McapRecord::kMessageIndex, index);
+  }
+  std::string summary;
+  put(summary, chunk.first);
+  put(summary, chunk.last);
+  put(summary, start);
+  put(summary, length);
+  put(summary, static_cast<std::uint32_t>(offsets.size()));
+  summary += offsets;
+  put(summary, static_cast<std::uint64_t>(file.size()) - indices);
+  put_text(summary, "");  // not compressed
+  put(summary, size);
+  put(summary, size);
+  return summary;
+}
+
 }  // namespace
 
 std::string to_mcap(const RunRecord& record) {
@@ -128,33 +200,22 @@ std::string to_mcap(const RunRecord& record) {
   put_record(file, McapRecord::kHeader, header);
   file += declared;
   const auto messages = messages_of(record);
-  std::map<std::uint16_t, std::uint64_t> counts;
-  std::uint64_t first = 0, last = 0;
-  for (const TimedMessage& message : messages) {
-    const auto time = static_cast<std::uint64_t>(std::llround(std::clamp(message.time, 0.0, 1e9) * 1e9));
-    if (&message == &messages.front()) first = time;
-    last = time;
-    std::string content;
-    put(content, message.channel);
-    put(content, static_cast<std::uint32_t>(counts[message.channel]++));
-    put(content, time);  // logged
-    put(content, time);  // published
-    content += message.data.dump(-1, ' ', false, json::error_handler_t::replace);
-    put_record(file, McapRecord::kMessage, content);
-  }
+  const McapChunk chunk = chunk_of(messages);
+  const std::string chunk_index = put_chunk(file, chunk);
   std::string data_end, statistics, footer;
   put(data_end, std::uint32_t{0});  // no checksum
   put_record(file, McapRecord::kDataEnd, data_end);
   const auto summary_start = static_cast<std::uint64_t>(file.size());
   file += declared;
+  put_record(file, McapRecord::kChunkIndex, chunk_index);
   put(statistics, static_cast<std::uint64_t>(messages.size()));
   put(statistics, static_cast<std::uint16_t>(all_topics.size()));
   put(statistics, static_cast<std::uint32_t>(all_topics.size()));
-  for (int none = 0; none < 3; ++none) put(statistics, std::uint32_t{0});  // attachments, metadata, chunks
-  put(statistics, first);
-  put(statistics, last);
-  put(statistics, static_cast<std::uint32_t>(counts.size() * 10));
-  for (const auto& [channel, count] : counts) {
+  for (const std::uint32_t count : {0U, 0U, 1U}) put(statistics, count);  // attachments, metadata, chunks
+  put(statistics, chunk.first);
+  put(statistics, chunk.last);
+  put(statistics, static_cast<std::uint32_t>(chunk.counts.size() * 10));
+  for (const auto& [channel, count] : chunk.counts) {
     put(statistics, channel);
     put(statistics, count);
   }

@@ -59,7 +59,7 @@ def box(vertices):
 
 
 def read_mcap(data):
-    """Header, schemas, channels, messages and statistics of an MCAP file without chunks."""
+    """Schemas, channels, messages and statistics of an MCAP file (mcap.dev/spec); messages are found by the index."""
     magic = b"\x89MCAP0\r\n"
     assert data.startswith(magic) and data.endswith(magic)
 
@@ -68,6 +68,7 @@ def read_mcap(data):
         return content[at + 4:at + 4 + size].decode(), at + 4 + size
 
     schemas, channels, messages, statistics, order = {}, {}, [], None, []
+    chunks, found = {}, {}
     at, end = 8, len(data) - 8
     while at < end:
         kind, size = struct.unpack_from("<BQ", data, at)
@@ -87,16 +88,39 @@ def read_mcap(data):
             encoding, next_at = text(content, next_at)
             assert encoding == "json" and struct.unpack_from("<I", content, next_at) == (0,) and next_at + 4 == size
             channels[number] = (topic, schema)
-        elif kind == 5:
-            channel, sequence, logged, published = struct.unpack_from("<HIQQ", content)
-            assert channel in channels  # declared before it is used
-            messages.append((channel, sequence, logged, json.loads(content[22:])))
+        elif kind == 6:
+            first, last, whole, checksum = struct.unpack_from("<QQQI", content)
+            compression, next_at = text(content, 28)
+            stored, = struct.unpack_from("<Q", content, next_at)
+            records = content[next_at + 8:]
+            assert compression == "" and stored == whole == len(records)
+            chunks[at] = (first, last, records)
+        elif kind == 8:
+            first, last, start, length, offsets = struct.unpack_from("<QQQQI", content)
+            assert chunks[start][:2] == (first, last)
+            assert struct.unpack_from("<BQ", data, start) == (6, length - 9)
+            for k in range(0, offsets, 10):
+                channel, index_at = struct.unpack_from("<HQ", content, 36 + k)
+                kind_of_index, index_size = struct.unpack_from("<BQ", data, index_at)
+                index = data[index_at + 9:index_at + 9 + index_size]
+                assert kind_of_index == 7 and struct.unpack_from("<HI", index) == (channel, index_size - 6)
+                for logged, offset in struct.iter_unpack("<QQ", index[6:]):
+                    assert first <= logged <= last
+                    found[(start, offset)] = (channel, logged)
         elif kind == 11:
             statistics = struct.unpack_from("<QHIIIIQQI", content)
         elif kind == 2:
             summary, = struct.unpack_from("<Q", content)
             assert summary in [position for _, position in order]
         at += 9 + size
+    for (start, offset), expected in sorted(found.items()):
+        records = chunks[start][2]
+        kind, size = struct.unpack_from("<BQ", records, offset)
+        content = records[offset + 9:offset + 9 + size]
+        channel, sequence, logged, published = struct.unpack_from("<HIQQ", content)
+        assert kind == 5 and channel in channels and (channel, logged) == expected
+        messages.append((channel, sequence, logged, json.loads(content[22:])))
+    assert len(chunks) == statistics[5] == 1
     assert at == end and order[0][0] == 1 and order[-1][0] == 2 and 15 in [kind for kind, _ in order]
     return schemas, channels, messages, statistics
 
