@@ -298,8 +298,10 @@ WallMetrics measure_wall(const SearchProblem& problem, const WallTarget& target,
                          const SearchOptions& options) {
   check_problem(problem, options);
   check_begun(problem, begun);
-  check_target(target, problem.available.size() + problem.stack.stones.size());
-  if (target.task) return measure_task(problem, *target.task, begun, options);
+  if (target.task) {
+    check_task(*target.task);
+    return measure_task(problem, *target.task, begun, options);
+  }
   const SearchContext context = wall_context(problem, options, {});
   return wall_metrics(context, standing_state(context, begun));
 }
