@@ -61,6 +61,10 @@ void write_outputs(const SearchCommand& command, const SceneSearch& found) {
   if (!command.out.empty()) {
     write_scene_file(command.out, scene_of(found));
     log_info("wrote " + command.out);
+    if (!found.supports.empty())
+      log_warning(command.out +
+                  " has the stones without the target's blocks, which scene files do not hold: `check` "
+                  "would see them in the air");
   }
   if (!command.picture.empty()) {
     draw_tower(command.picture, found.catalogue, shown, found.start.problem.site);

@@ -267,28 +267,6 @@ std::vector<int> courses_of(const Pool& pool, const Stack& stones) {
   return courses;
 }
 
-/// The stones that touch each other, directly or through others, and the table on both sides of the origin;
-/// empty if there are none.
-Stack bridging_stones(const Pool& pool, const Stack& stones) {
-  const std::vector<Contact> contacts = geometric_contacts(pool.shapes, stones, kSupportGap);
-  std::vector<std::size_t> group(stones.stones.size());
-  for (std::size_t k = 0; k < group.size(); ++k) group[k] = k;
-  for (const Contact& contact : contacts) {
-    if (contact.below == kTable) continue;
-    const std::size_t joined = group[static_cast<std::size_t>(contact.below)];
-    const std::size_t other = group[static_cast<std::size_t>(contact.above)];
-    std::replace(group.begin(), group.end(), other, joined);
-  }
-  std::vector<bool> left(group.size(), false), right(group.size(), false);
-  for (const Contact& contact : contacts)
-    if (contact.below == kTable)
-      (contact.p_W.x() < 0.0 ? left : right)[group[static_cast<std::size_t>(contact.above)]] = true;
-  Stack bridging;
-  for (std::size_t k = 0; k < group.size(); ++k)
-    if (left[group[k]] && right[group[k]]) bridging.stones.push_back(stones.stones[k]);
-  return bridging;
-}
-
 /// Verdict on an answer.
 struct Score {
   double score = 0.0;       ///< share of what was asked for
@@ -322,8 +300,9 @@ Score score_one(const Problem& problem, const Pool& pool, const Answer& answer) 
       score.note = "a stone stands in the gap";
       return score;
     }
-    score.score =
-        check_span(pool.shapes, bridging_stones(pool, answer.stones), Pose::Identity(), span).covered;
+    score.score = check_span(pool.shapes, bridging_stones(pool.shapes, answer.stones, Pose::Identity(), span),
+                             Pose::Identity(), span)
+                      .covered;
     if (score.score < 1.0)
       score.note = concat(std::lround(1e2 * score.score), " % of the gap is spanned from both sides");
     return score;

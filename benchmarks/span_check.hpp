@@ -15,4 +15,9 @@ struct SpanCheck {
 [[nodiscard]] SpanCheck check_span(const ShapeList& shapes, const Stack& stones, const Pose& T_V_W,
                                    const Span& span);
 
+/// The stones that touch each other, directly or through others, and the table on both sides of the middle of
+/// a span; empty if there are none.
+[[nodiscard]] Stack bridging_stones(const ShapeList& shapes, const Stack& stones, const Pose& T_V_W,
+                                    const Span& span);
+
 }  // namespace stonestack::bench

@@ -1,17 +1,15 @@
 // Tasks in the manner of "Learning to Build" (spans, corbels, counterweights, lintels, a table over a gap)
 // with rubble: how many are done with exact placement, and stand in this library's engine and in another one.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
 
 #include "bench.hpp"
-#include "ode_witness.hpp"
 #include "physics/shape.hpp"
 #include "search/wall/span_search.hpp"
-#include "settings.hpp"
 #include "span_check.hpp"
-#include "stone_draws.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
@@ -23,16 +21,13 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kMarginAsked = 0.02;   // g in 16 directions
+constexpr double kBesideCarry = 0.030;  // m from the place of the stone that is carried
+constexpr int kDirections = 16;
 constexpr double kInTheWay = 0.002;     // m that a stone may sag into what is kept clear
 constexpr double kBlockFriction = 0.4;  // of all contacts, unless --friction says otherwise
 
-struct TaskBenchOptions {
+struct TaskBenchOptions : StructureBenchOptions {
   std::string folder;
-  int draws = 3, stones = 10, seed = 1;
-  Judges judges;
-  PoolOptions pools;
-  SearchOptions search = search_without_robot();
-  Settings settings;
 };
 
 /// A task and the name of its file.
@@ -60,14 +55,52 @@ struct TaskOutcome {
   WallPlan plan;
   double covered = 0.0;     ///< least share of a span, by lines every millimetre
   double in_the_way = 0.0;  ///< [m] that stones reach into what is kept clear
+  bool carried = true;      ///< a stone lies where the task wants one
+  double margin = 0.0;      ///< of all stones and blocks, by statics on the fine shapes [g]
   bool in_bullet = false, in_ode = false;
   double cpu = 0.0;
 
-  [[nodiscard]] bool done() const { return plan.reason.empty() && covered >= 1.0 && in_the_way < kInTheWay; }
+  [[nodiscard]] bool done() const {
+    return plan.reason.empty() && covered >= 1.0 && in_the_way < kInTheWay && carried;
+  }
   [[nodiscard]] bool good(bool ode) const {
-    return done() && in_bullet && (in_ode || !ode) && plan.metrics.margin >= kMarginAsked;
+    return done() && in_bullet && (in_ode || !ode) && margin >= kMarginAsked;
   }
 };
+
+/// Can stones stand on that side of a span?
+bool has_side(const SpanTask& task, const Span& span, bool left) {
+  return task.on_table || std::any_of(task.supports.begin(), task.supports.end(), [&](const auto& block) {
+           return left ? block.to <= span.from : block.from >= span.to;
+         });
+}
+
+/// Coverage of the spans: where both sides can carry, by stones that stand on both.
+void check_spans(const ShapeList& shapes, const Stack& all, const Pose& T_V_W, const SpanTask& task,
+                 TaskOutcome& outcome) {
+  outcome.covered = 1.0;
+  for (const Span& span : task.spans) {
+    const bool both = has_side(task, span, true) && has_side(task, span, false);
+    const Stack over = both ? bridging_stones(shapes, all, T_V_W, span) : all;
+    outcome.covered = std::min(outcome.covered, check_span(shapes, over, T_V_W, span).covered);
+    outcome.in_the_way = std::max(outcome.in_the_way, check_span(shapes, all, T_V_W, span).in_the_way);
+  }
+}
+
+/// Does a stone that is not needed to cover the spans have its centre of mass where one is to be carried?
+bool is_carried(const ShapeList& shapes, const Stack& all, const Pose& T_V_W, const SpanTask& task) {
+  for (std::size_t k = task.supports.size(); k < all.stones.size(); ++k) {
+    const PlacedStone& stone = all.stones[k];
+    const Eigen::Vector3d p_V = T_V_W * stone.T_W_O * at(shapes, stone.stone)->mass.p_O_M;
+    if (std::abs(p_V.x() - *task.carry) > kBesideCarry) continue;
+    Stack others = all;
+    others.stones.erase(others.stones.begin() + static_cast<std::ptrdiff_t>(k));
+    TaskOutcome without;
+    check_spans(shapes, others, T_V_W, task, without);
+    if (without.covered >= 1.0) return true;
+  }
+  return false;
+}
 
 TaskOutcome plan_and_judge(const TaskBenchOptions& options, const StonePool& pool, const WallTarget& target,
                            int draw) {
@@ -77,7 +110,7 @@ TaskOutcome plan_and_judge(const TaskBenchOptions& options, const StonePool& poo
   outcome.plan = plan_wall(problem, target, options.search);
   outcome.cpu = processor_seconds() - start;
   ShapeList shapes = pool.fine;
-  Stack stones, all;
+  Stack all;
   const TaskSupports supports = make_supports(*target.task);
   for (std::size_t k = 0; k < supports.shapes.size(); ++k) {
     all.stones.push_back(
@@ -85,15 +118,17 @@ TaskOutcome plan_and_judge(const TaskBenchOptions& options, const StonePool& poo
     shapes.push_back(supports.shapes[k]);
   }
   for (const WallPlacement& p : outcome.plan.placements)
-    stones.stones.push_back({p.placement.stone, p.placement.T_W_O});
-  if (stones.stones.empty()) return outcome;
-  all.stones.insert(all.stones.end(), stones.stones.begin(), stones.stones.end());
-  outcome.covered = 1.0;
-  for (const Span& span : target.task->spans) {
-    const SpanCheck check = check_span(pool.fine, stones, outcome.plan.T_W_V.inverse(), span);
-    outcome.covered = std::min(outcome.covered, check.covered);
-    outcome.in_the_way = std::max(outcome.in_the_way, check.in_the_way);
-  }
+    all.stones.push_back({p.placement.stone, p.placement.T_W_O});
+  if (outcome.plan.placements.empty()) return outcome;
+  const Pose T_V_W = outcome.plan.T_W_V.inverse();
+  check_spans(shapes, all, T_V_W, *target.task, outcome);
+  if (target.task->carry) outcome.carried = is_carried(shapes, all, T_V_W, *target.task);
+  EquilibriumOptions statics;
+  statics.friction = options.search.friction;
+  statics.directions = kDirections;
+  statics.min_friction = false;
+  const Equilibrium balance = stack_equilibrium(shapes, all, statics);
+  outcome.margin = balance.stands ? balance.margin : 0.0;
   StandOptions stand;
   stand.friction = options.search.friction;
   stand.seconds = options.judges.stand_seconds;
@@ -132,14 +167,14 @@ void measure_tasks(const TaskBenchOptions& options, Results& results) {
         in_ode += outcome.done() && outcome.in_ode ? 1 : 0;
         good += outcome.good(ode) ? 1 : 0;
         stones += outcome.plan.metrics.placed;
-        margin += outcome.plan.metrics.margin / options.draws;
+        margin += outcome.margin / options.draws;
         cpu += outcome.cpu;
         std::fprintf(stderr,
                      "%s, draw %d: %d stones, %.0f of %.0f mm, covered %.2f, %.1f mm in the way, margin %.3f "
                      "g, Bullet %d, ODE %d%s%s\n",
                      task.name.c_str(), k, outcome.plan.metrics.placed, 1e3 * outcome.plan.metrics.spanned,
                      1e3 * outcome.plan.metrics.to_span, outcome.covered, 1e3 * outcome.in_the_way,
-                     outcome.plan.metrics.margin, outcome.in_bullet ? 1 : 0, outcome.in_ode ? 1 : 0,
+                     outcome.margin, outcome.in_bullet ? 1 : 0, outcome.in_ode ? 1 : 0,
                      outcome.plan.reason.empty() ? "" : "; ", outcome.plan.reason.c_str());
       }
       solved += 2 * good > options.draws ? 1 : 0;
@@ -169,19 +204,9 @@ void add_tasks(CLI::App& app) {
       app.add_subcommand("tasks", "Spans, corbels, counterweights, lintels: done, standing, time a stone");
   options->folder = data_path("targets/tasks");
   sub->add_option("--folder", options->folder, "Target files")->capture_default_str();
-  sub->add_option("--draws", options->draws, "Sets of stones for each task")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
-  sub->add_option("--stones", options->stones, "Stones a set")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  sub->add_option("--friction", options->search.friction, "Of the planner and of the worlds that judge")
-      ->check(CLI::Range(1e-3, 2.0))
-      ->capture_default_str();
-  options->pools.register_on(*sub);
-  options->judges.register_on(*sub);
-  sub->add_option("--seed", options->seed)->check(CLI::Range(0, 2147483647))->capture_default_str();
-  options->settings.register_on(*sub);
+  options->draws = 3;
+  options->stones = 10;
+  options->register_on(*sub);
   sub->footer(
       "Examples:\n"
       "  stonestack-bench tasks --generated 0 --ode\n"

@@ -4,9 +4,6 @@
 #include <memory>
 
 #include "bench.hpp"
-#include "ode_witness.hpp"
-#include "settings.hpp"
-#include "stone_draws.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/search/plan_wall.hpp"
@@ -15,15 +12,10 @@
 namespace stonestack::bench {
 namespace {
 
-struct WallBenchOptions {
-  int draws = 10, stones = 12, seed = 1;
+struct WallBenchOptions : StructureBenchOptions {
   std::vector<int> courses{4, 3, 2, 1};
   double length = 0.0;
   int levels = 3;
-  Judges judges;
-  PoolOptions pools;
-  SearchOptions search = search_without_robot();
-  Settings settings;
 };
 
 /// A planned wall and what became of it.
@@ -132,16 +124,24 @@ void measure_walls(const WallBenchOptions& options, Results& results) {
 
 }  // namespace
 
+void StructureBenchOptions::register_on(CLI::App& command) {
+  command.add_option("--draws", draws, "Sets of stones from each pool")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  command.add_option("--stones", stones, "Stones a set")->check(CLI::Range(1, 1000))->capture_default_str();
+  command.add_option("--friction", search.friction, "Of the planner and of the worlds that judge")
+      ->check(CLI::Range(1e-3, 2.0))
+      ->capture_default_str();
+  pools.register_on(command);
+  judges.register_on(command);
+  command.add_option("--seed", seed)->check(CLI::Range(0, 2147483647))->capture_default_str();
+  settings.register_on(command);
+}
+
 void add_walls(CLI::App& app) {
   auto options = std::make_shared<WallBenchOptions>();
   CLI::App* sub =
       app.add_subcommand("walls", "Planned walls: whole, standing, figures of the wall, time a stone");
-  sub->add_option("--draws", options->draws, "Sets of stones from each pool")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
-  sub->add_option("--stones", options->stones, "Stones a set")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
   sub->add_option("--courses", options->courses, "Stones of each course, from the table up")
       ->delimiter('+')
       ->capture_default_str();
@@ -151,13 +151,7 @@ void add_walls(CLI::App& app) {
   sub->add_option("--levels", options->levels, "Courses of a straight wall")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
-  sub->add_option("--friction", options->search.friction, "Of the planner and of the worlds that judge")
-      ->check(CLI::Range(1e-3, 2.0))
-      ->capture_default_str();
-  options->pools.register_on(*sub);
-  options->judges.register_on(*sub);
-  sub->add_option("--seed", options->seed)->check(CLI::Range(0, 2147483647))->capture_default_str();
-  options->settings.register_on(*sub);
+  options->register_on(*sub);
   sub->footer(
       "Examples:\n"
       "  stonestack-bench walls --draws 20 --generated 0 --friction 0.3 --ode\n"

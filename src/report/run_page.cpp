@@ -236,24 +236,16 @@ bool same_placement(const Placement& a, const Placement& b) {
   return a.stone == b.stone && a.T_W_O.isApprox(b.T_W_O, 1e-9);
 }
 
-/// Why a placement was preferred to the others that were offered.
-std::string reason_of(const Placement& chosen, const std::vector<Placement>& offered,
-                      const Catalogue& catalogue) {
-  const Placement* best = nullptr;  // of the others
-  for (const Placement& other : offered)
-    if (!same_placement(other, chosen) && (best == nullptr || other.expected_height > best->expected_height))
-      best = &other;
-  if (best == nullptr) return "the only placement that was offered";
-  const std::string next = format("%s %.2f", catalogue[best->stone].name.c_str(), best->expected_height);
-  if (chosen.expected_height >= best->expected_height)
-    return format(
-        "%.2f stones are expected to stand in the end by this route, the most of %zu placements (next: %s)",
-        chosen.expected_height, offered.size(), next.c_str());
+/// Where a placement stood among those that the search offered.
+std::string reason_of(const Placement& chosen, const std::vector<Placement>& offered) {
+  const auto place = std::find_if(offered.begin(), offered.end(),
+                                  [&](const Placement& p) { return same_placement(p, chosen); });
+  const std::string number =
+      place == offered.end() ? "not among" : concat("number ", place - offered.begin() + 1, " of");
   return format(
-      "%.2f stones are expected to stand in the end by this route; %s by another, which motion planning or "
-      "an "
-      "earlier failure ruled out",
-      chosen.expected_height, next.c_str());
+      "%s the %zu placements that the search offered; %.2f stones are expected to stand in the end, "
+      "with %zu more on top; the longest plans are tried first",
+      number.c_str(), offered.size(), chosen.expected_height, chosen.then.size());
 }
 
 json decision_entry(const ActionChosen& chosen, const Catalogue& catalogue, double time,
@@ -270,7 +262,7 @@ json decision_entry(const ActionChosen& chosen, const Catalogue& catalogue, doub
       candidates.push_back(candidate_entry(p, same_placement(p, *title.chosen)));
   json reasons = why;
   if (title.chosen != nullptr && chosen.offered.size() > 1)
-    reasons.push_back(reason_of(*title.chosen, chosen.offered, catalogue));
+    reasons.push_back(reason_of(*title.chosen, chosen.offered));
   if (const auto* stop = std::get_if<Stop>(&chosen.action)) reasons.push_back(stop->reason);
   return {{"t", time}, {"title", text}, {"why", reasons}, {"candidates", candidates}, {"terms", kTerms}};
 }
@@ -405,17 +397,10 @@ std::string cost_figure(const RunReport& report) {
   return figure5_svg(alone);
 }
 
-/// "Wall of 3".
-std::string titled(const RunResult& result) {
-  std::string title = concat(structure_name(result.wall), " of ", result.height);
-  title.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(title.front())));
-  return title;
-}
-
 /// Values that a run changes as it goes on.
 json values_of(const RunReport& report, const RobotModel& robot, const Times& times) {
   const RunResult& result = report.result;
-  return {{"title", titled(result)},
+  return {{"title", run_title(result)},
           {"height", result.height},
           {"paper_height", paper_height(report)},
           {"ended", to_text(result.end)},

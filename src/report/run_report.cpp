@@ -227,9 +227,7 @@ std::string cell_page(const std::string& title, const std::string& text, const s
 }
 
 std::string run_html(const RunReport& report, const Catalogue& catalogue, const RobotModel& robot) {
-  std::string title = structure_name(report.result.wall);
-  title.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(title.front())));
-  return page_html(format("%s of %d", title.c_str(), report.result.height), run_table(report),
+  return page_html(run_title(report.result), run_table(report),
                    page_data(report, catalogue, robot, picture_uri(report)));
 }
 

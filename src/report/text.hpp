@@ -39,6 +39,8 @@ template <class... Values>
 
 /// Kind of structure: "tower", "wall" or "bridge".
 [[nodiscard]] const char* structure_name(const std::optional<WallMetrics>& wall);
+/// "Wall of 3".
+[[nodiscard]] std::string run_title(const RunResult& result);
 /// Figures of a wall as JSON.
 [[nodiscard]] nlohmann::json wall_figures(const WallMetrics& metrics);
 /// Text of the figures in lines; the last has no line end.

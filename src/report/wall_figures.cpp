@@ -7,6 +7,12 @@ const char* structure_name(const std::optional<WallMetrics>& wall) {
   return wall->to_span > 0.0 ? "bridge" : "wall";
 }
 
+std::string run_title(const RunResult& result) {
+  std::string title = concat(structure_name(result.wall), " of ", result.height);
+  title.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(title.front())));
+  return title;
+}
+
 nlohmann::json wall_figures(const WallMetrics& m) {
   return {{"placed", m.placed},       {"asked", m.asked},     {"length_m", m.length},
           {"height_m", m.height},     {"width_m", m.width},   {"fill", m.fill},

@@ -35,6 +35,22 @@ TEST_F(SearchCommand, ReportsWhereAStackMeasuredWithAnErrorComesToRest) {
       << "what was planned does not touch";
 }
 
+TEST_F(SearchCommand, PlansABridgeOfTheWidthThatIsAskedFor) {
+  for (const char* name : {"pier_1", "pier_2", "lintel"})
+    write_mesh(concat(folder_, "/", name, ".ply"), make_box({0.12, 0.07, 0.05}));
+  ASSERT_EQ(run("scan pier_1.ply pier_2.ply lintel.ply --catalogue bricks").code, 0);
+  const Outcome outcome = run("search --catalogue bricks --stones all --bridge 0.05 --friction 0.4 --json");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const json found = outcome.data();
+  EXPECT_EQ(found["placements"].size(), 3U);
+  EXPECT_EQ(found["wall"]["spanned_m"], found["wall"]["to_span_m"]);
+  EXPECT_NEAR(found["wall"]["to_span_m"].get<double>(), 0.05, 1e-12);
+  expect_refusal("search --catalogue bricks --stones all --bridge 0.05 --wall 2+1", 2,
+                 {"--bridge", "--wall"});
+  expect_refusal("search --catalogue bricks --stones all --bridge 9", 2, {"--bridge 9", "span"});
+  expect_refusal("run --robot ur10 --bridge 9 --out refused", 2, {"--bridge 9", "span"});
+}
+
 TEST_F(SearchCommand, ClearsTheProgressLineBeforeTheTable) {
   write_scene(0.025);
   const std::string shown = on_terminal("TERM=xterm", "search scene.yaml --catalogue boxes");

@@ -184,6 +184,27 @@ TEST(PlanTask, GoesOnFromWhatStandsAsItWasPlanned) {
   EXPECT_LT(piers.spanned, 0.06);
 }
 
+TEST(PlanTask, ABridgeWithAStoneInTheGapIsNotDone) {
+  const WallTarget target = read_wall_target("bridge:0.06");
+  SearchProblem problem = equal_bricks_on_the_floor(4);
+  const auto stand = [&](StoneIndex stone, const Pose& T_W_O) {
+    problem.stack.stones.push_back({stone, T_W_O});
+    std::erase_if(problem.available, [&](const auto& loose) { return loose.stone == stone; });
+  };
+  stand(0_stone, at(-0.095, 0.0, 0.025));
+  stand(1_stone, at(0.095, 0.0, 0.025));
+  stand(2_stone, at(0.0, 0.0, 0.075));
+  WallBegun begun{Pose::Identity(), {0, 0, 1}, {}, true};
+  EXPECT_EQ(plan_wall(problem, target, with_friction(), {}, begun).reason, "");
+  EXPECT_NEAR(measure_wall(problem, target, begun, with_friction()).spanned, 0.06, 1e-12);
+  Pose across = at(0.0, 0.0, 0.025);
+  across.linear() = Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  stand(3_stone, across * Eigen::Translation3d(0.12, 0.0, 0.0));
+  begun.courses = {0, 0, 1, 0};
+  EXPECT_NE(plan_wall(problem, target, with_friction(), {}, begun).reason, "");
+  EXPECT_EQ(measure_wall(problem, target, begun, with_friction()).spanned, 0.0);
+}
+
 TEST(PlanTask, TheArmIsAskedAndKnowsNothingOfBlocks) {
   SearchProblem problem = equal_bricks_on_the_floor(4);
   int asked = 0;

@@ -116,18 +116,6 @@ double sureness(const WallState& state) {
   return all + 0.1 * std::min(1.0, state.trials.back().margin / kFirm);
 }
 
-/// How far a stone reaches into what is kept clear [m].
-double in_the_way(const SearchContext& context, const SpanTask& task, const WallStonePlaced& placed) {
-  const BodyPose body = body_pose(at(context.geometry, placed.stone), placed.T_W_O);
-  double most = 0.0;
-  for (const Eigen::Vector3d& p_M : body.stone->vertices_M) {
-    const Eigen::Vector3d p = body.R_W_O * p_M + body.p_W_M;
-    for (const Span& span : task.spans)
-      if (p.x() > span.from && p.x() < span.to) most = std::max(most, span.clear - p.z());
-  }
-  return most;
-}
-
 }  // namespace
 
 TaskSupports make_supports(const SpanTask& task) {
@@ -329,7 +317,7 @@ std::vector<SpanSearch::Child> SpanSearch::children(const Node& node) {
     const std::vector<WallProposal> kept = placing_.reachable(std::move(made.list), below, kSettledAtPlace);
     if (fits && kept.empty()) placing_.reason = "the arm brings none of the stones that fit to its place";
     for (Settled& next : placing_.settled(below, kept, 0)) {
-      if (in_the_way(context_, task_, next.placed) < kSags)
+      if (in_the_way(context_, task_.spans, next.placed) < kSags)
         list.push_back({&node, std::move(next), 0.0});
       else
         placing_.reason = "a stone reaches into what is kept clear";

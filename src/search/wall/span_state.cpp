@@ -6,12 +6,12 @@
 namespace stonestack::search {
 namespace {
 
-constexpr double kOverlap = 0.002;      // m by which stones along the axis must overlap to leave no gap
-constexpr double kHighEnough = 0.001;   // m that the top of a pier may be lower than what is kept clear
-constexpr double kBesideCarry = 0.030;  // m from the place of the carried stone
-constexpr double kUpon = 0.001;         // m between stones that counts as resting on each other
-constexpr double kUpwards = 0.3;        // z of the normal of a contact that bears
-constexpr int kMarginDirections = 16;
+constexpr double kOverlap = 0.002;           // m by which stones along the axis must overlap to leave no gap
+constexpr double kHighEnough = 0.001;        // m that the top of a pier may be lower than what is kept clear
+constexpr double kBesideCarry = 0.030;       // m from the place of the carried stone
+constexpr double kUpon = 0.001;              // m between stones that counts as resting on each other
+constexpr double kUpwards = 0.3;             // z of the normal of a contact that bears
+constexpr double kMeasuredInTheWay = 0.005;  // m that a stone may seem to reach into what is kept clear
 
 /// The crossings seen from the other side.
 Crossings mirrored(const Crossings& crossings) {
@@ -52,15 +52,26 @@ bool may_stand_before(const SpanTask& task, double x, bool mirrored) {
   });
 }
 
+Eigen::Vector3d corner_of(const BodyPose& body, int vertex) {
+  return body.R_W_O * body.stone->vertices_M[static_cast<std::size_t>(vertex)] + body.p_W_M;
+}
+
+/// Lowest point of an edge where it runs between two x; infinite if it does not.
+double lowest_between(const Eigen::Vector3d& p, const Eigen::Vector3d& q, double from, double to) {
+  const double low = std::max(std::min(p.x(), q.x()), from), high = std::min(std::max(p.x(), q.x()), to);
+  if (low > high || std::max(p.x(), q.x()) <= from || std::min(p.x(), q.x()) >= to)
+    return std::numeric_limits<double>::infinity();
+  if (p.x() == q.x()) return std::min(p.z(), q.z());
+  const auto height = [&](double x) { return p.z() + (x - p.x()) / (q.x() - p.x()) * (q.z() - p.z()); };
+  return std::min(height(low), height(high));
+}
+
 std::optional<AxisCrossing> crossing_of(const BodyPose& body) {
   AxisCrossing crossing{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(),
                         -std::numeric_limits<double>::infinity(), 0.0, 0.0};
-  const auto corner = [&](int vertex) -> Eigen::Vector3d {
-    return body.R_W_O * body.stone->vertices_M[static_cast<std::size_t>(vertex)] + body.p_W_M;
-  };
   for (const Eigen::Vector3i& face : body.stone->faces)
     for (int k = 0; k < 3; ++k) {
-      const Eigen::Vector3d p = corner(face[k]), q = corner(face[(k + 1) % 3]);
+      const Eigen::Vector3d p = corner_of(body, face[k]), q = corner_of(body, face[(k + 1) % 3]);
       if ((p.y() < 0.0) == (q.y() < 0.0)) continue;
       const Eigen::Vector3d at = p + (q - p) * (p.y() / (p.y() - q.y()));
       crossing.from = std::min(crossing.from, at.x());
@@ -155,6 +166,28 @@ OpenSpan open_span(const SpanTask& task, const Span& span, const Crossings& cros
   return open;
 }
 
+double in_the_way(const SearchContext& context, std::span<const Span> spans, const WallStonePlaced& placed) {
+  const BodyPose body = body_pose(at(context.geometry, placed.stone), placed.T_W_O);
+  double most = 0.0;
+  for (const Eigen::Vector3i& face : body.stone->faces)
+    for (int k = 0; k < 3; ++k)
+      for (const Span& span : spans)
+        most = std::max(
+            most, span.clear - lowest_between(corner_of(body, face[k]), corner_of(body, face[(k + 1) % 3]),
+                                              span.from, span.to));
+  return most;
+}
+
+namespace {
+
+bool is_clear(const SearchContext& context, std::span<const Span> spans, const WallState& state) {
+  return std::all_of(state.stones.begin(), state.stones.end(), [&](const WallStonePlaced& placed) {
+    return in_the_way(context, spans, placed) < kMeasuredInTheWay;
+  });
+}
+
+}  // namespace
+
 bool carries(const SearchContext& context, const SpanTask& task, const WallState& state) {
   if (!task.carry) return true;
   const Crossings crossings = axis_crossings(context, state);
@@ -174,7 +207,8 @@ bool carries(const SearchContext& context, const SpanTask& task, const WallState
 }
 
 bool is_done(const SearchContext& context, const SpanTask& task, const WallState& state) {
-  return all_closed(task, axis_crossings(context, state)) && carries(context, task, state);
+  return is_clear(context, task.spans, state) && all_closed(task, axis_crossings(context, state)) &&
+         carries(context, task, state);
 }
 
 WallMetrics span_metrics(const SearchContext& context, const SpanTask& task, const WallState& state,
@@ -187,6 +221,7 @@ WallMetrics span_metrics(const SearchContext& context, const SpanTask& task, con
     const double left = std::clamp(open.left.x, span.from, span.to);
     const double right = std::clamp(open.right.x, span.from, span.to);
     metrics.to_span += span.to - span.from;
+    if (!is_clear(context, {&span, 1}, state)) continue;
     metrics.spanned += (span.to - span.from) - (open.closed ? 0.0 : right - left);
   }
   if (metrics.placed == 0) return metrics;
@@ -199,11 +234,7 @@ WallMetrics span_metrics(const SearchContext& context, const SpanTask& task, con
     metrics.height = std::max(metrics.height, state.stones[k].top);
   }
   metrics.length = right - left;
-  EquilibriumOptions statics;
-  statics.friction = context.options->friction;
-  statics.directions = kMarginDirections;
-  statics.min_friction = false;
-  metrics.margin = stack_equilibrium(context.shapes(), state.stack(), statics).margin;
+  metrics.margin = margin_of_all(context, state);
   return metrics;
 }
 

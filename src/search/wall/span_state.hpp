@@ -39,13 +39,18 @@ struct OpenSpan {
 [[nodiscard]] OpenSpan open_span(const SpanTask& task, const Span& span, const Crossings& crossings,
                                  double reach);
 
+/// How far a stone reaches into what is kept clear in one of the spans [m].
+[[nodiscard]] double in_the_way(const SearchContext& context, std::span<const Span> spans,
+                                const WallStonePlaced& placed);
+
 /// Does a stone lie where the task wants one to be carried: with its centre of mass within 30 mm of it, none
 /// upon it, and the spans closed without it?
 [[nodiscard]] bool carries(const SearchContext& context, const SpanTask& task, const WallState& state);
-/// Is the task done?
+/// Is the task done? Stones that were measured may seem to reach 5 mm into what is kept clear.
 [[nodiscard]] bool is_done(const SearchContext& context, const SpanTask& task, const WallState& state);
 
-/// Figures of a structure that does a task, without its supports.
+/// Figures of a structure that does a task, without its supports. Nothing of a span counts in which a stone
+/// stands.
 /// @param supports stones at the head of the state that are supports of the task
 [[nodiscard]] WallMetrics span_metrics(const SearchContext& context, const SpanTask& task,
                                        const WallState& state, std::size_t supports);

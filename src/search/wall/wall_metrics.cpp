@@ -95,6 +95,14 @@ CourseBox course_box(const WallState& state, const std::vector<int>& course, dou
 
 }  // namespace
 
+double margin_of_all(const SearchContext& context, const WallState& state) {
+  EquilibriumOptions statics;
+  statics.friction = context.options->friction;
+  statics.directions = kWallDirections;
+  statics.min_friction = false;
+  return stack_equilibrium(context.shapes(), state.stack(), statics).margin;
+}
+
 WallMetrics wall_metrics(const SearchContext& context, const WallState& state) {
   WallMetrics metrics;
   metrics.placed = static_cast<int>(state.stones.size());
@@ -139,11 +147,7 @@ WallMetrics wall_metrics(const SearchContext& context, const WallState& state) {
   metrics.flatness = std::sqrt(squares / static_cast<double>(state.stones.size()));
   metrics.fill = envelope > 0.0 ? volume / envelope : 0.0;
   metrics.face = all > 0 ? static_cast<double>(covered) / static_cast<double>(all) : 0.0;
-  EquilibriumOptions statics;
-  statics.friction = context.options->friction;
-  statics.directions = kWallDirections;
-  statics.min_friction = false;
-  metrics.margin = stack_equilibrium(context.shapes(), state.stack(), statics).margin;
+  metrics.margin = margin_of_all(context, state);
   return metrics;
 }
 

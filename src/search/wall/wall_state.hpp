@@ -95,6 +95,8 @@ struct WallPlace {
 [[nodiscard]] WallProposals wall_proposals(const SearchContext& context, const WallState& state,
                                            const WallSlot& slot, const std::vector<WallStone>& stones);
 
+/// Horizontal acceleration that all stones together bear in the weakest of 16 directions [g].
+[[nodiscard]] double margin_of_all(const SearchContext& context, const WallState& state);
 /// Figures of what stands.
 [[nodiscard]] WallMetrics wall_metrics(const SearchContext& context, const WallState& state);
 
