@@ -9,6 +9,7 @@ namespace stonestack::bench {
 namespace {
 
 constexpr double kLine = 0.001;        // m between lines
+constexpr double kBeside = 1e-6;       // m from an end of a span: blocks end there
 constexpr int kAlongEdge = 16;         // parts of an edge whose ends are looked at
 constexpr double kSupportGap = 0.001;  // m: nearer is a contact
 
@@ -41,7 +42,7 @@ SpanCheck check_span(const ShapeList& shapes, const Stack& stones, const Pose& T
         const Eigen::Vector3d& q = p_V[static_cast<std::size_t>(face[(k + 1) % 3])];
         for (int step = 0; step <= kAlongEdge; ++step) {
           const Eigen::Vector3d r = p + (q - p) * step / kAlongEdge;
-          if (r.x() > span.from && r.x() < span.to)
+          if (r.x() > span.from + kBeside && r.x() < span.to - kBeside)
             check.in_the_way = std::max(check.in_the_way, span.clear - r.z());
         }
       }

@@ -205,6 +205,16 @@ TEST(PlanTask, ABridgeWithAStoneInTheGapIsNotDone) {
   EXPECT_EQ(measure_wall(problem, target, begun, with_friction()).spanned, 0.0);
 }
 
+TEST(PlanTask, BlocksThatEndWhereASpanBeginsAreNotInIt) {
+  SearchProblem problem = equal_bricks_on_the_floor(3);
+  for (const double x : {0.0, 0.1, 0.7}) {  // however the place rounds
+    problem.site = {x, 0.28};
+    const WallPlan plan = plan_wall(problem, target_of(between_blocks(0.1)), with_friction());
+    EXPECT_EQ(plan.reason, "") << x;
+    EXPECT_NEAR(plan.metrics.spanned, 0.1, 1e-12) << x;
+  }
+}
+
 TEST(PlanTask, TheArmIsAskedAndKnowsNothingOfBlocks) {
   SearchProblem problem = equal_bricks_on_the_floor(4);
   int asked = 0;

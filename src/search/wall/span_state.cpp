@@ -11,6 +11,7 @@ constexpr double kHighEnough = 0.001;        // m that the top of a pier may be 
 constexpr double kBesideCarry = 0.030;       // m from the place of the carried stone
 constexpr double kUpon = 0.001;              // m between stones that counts as resting on each other
 constexpr double kUpwards = 0.3;             // z of the normal of a contact that bears
+constexpr double kBeside = 1e-6;             // m from an end of a span: blocks end there
 constexpr double kMeasuredInTheWay = 0.005;  // m that a stone may seem to reach into what is kept clear
 
 /// The crossings seen from the other side.
@@ -174,7 +175,7 @@ double in_the_way(const SearchContext& context, std::span<const Span> spans, con
       for (const Span& span : spans)
         most = std::max(
             most, span.clear - lowest_between(corner_of(body, face[k]), corner_of(body, face[(k + 1) % 3]),
-                                              span.from, span.to));
+                                              span.from + kBeside, span.to - kBeside));
   return most;
 }
 
