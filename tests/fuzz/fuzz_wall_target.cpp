@@ -10,6 +10,21 @@
 
 namespace {
 
+void check_task(const stonestack::search::SpanTask& task) {
+  using stonestack::fuzz::check;
+  check(!task.spans.empty());
+  for (const auto& span : task.spans) {
+    check(std::isfinite(span.from) && std::isfinite(span.to) && span.from < span.to);
+    check(std::isfinite(span.clear) && span.clear >= 0.0);
+  }
+  for (const auto& block : task.supports) {
+    check(std::isfinite(block.from) && std::isfinite(block.to) && block.from < block.to);
+    check(std::isfinite(block.height) && block.height > 0.0);
+    check(std::isfinite(block.depth) && block.depth > 0.0);
+  }
+  check(!task.carry || std::isfinite(*task.carry));
+}
+
 void check_wall(const std::string& text) {
   using namespace stonestack;
   using namespace stonestack::report;
@@ -17,8 +32,9 @@ void check_wall(const std::string& text) {
   try {
     const search::WallTarget target = search::read_wall_target(text);
     for (const int count : target.courses) check(count > 0);
-    check(!target.courses.empty() ||
+    check(target.task || !target.courses.empty() ||
           (target.length > 0.0 && std::isfinite(target.length) && target.levels > 0));
+    if (target.task) check_task(*target.task);
     check(!target.centre_W || target.centre_W->allFinite());
     check(std::isfinite(target.yaw));
   } catch (const InvalidArgument&) {
