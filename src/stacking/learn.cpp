@@ -12,6 +12,7 @@ namespace stonestack::stacking {
 namespace {
 
 constexpr double kStillUp = 0.9;    // cosine (26 deg) between the ups of a stone as set down and as seen
+constexpr double kPushed = 0.010;   // m: a stone that moved less was not pushed
 constexpr double kMaxBias = 0.008;  // m: a stone that came to rest further off has slid
 
 using Outcome = PlacementRecord::Outcome;
@@ -222,6 +223,13 @@ std::vector<Eigen::Vector3f> cloud_of(const WorldEstimate& world) {
   return cloud;
 }
 
+/// A stone that stayed where it was is not pushed in the same world once more.
+void learn_from_pushing(RunMemory& memory, const Push& push, const WorldEstimate& seen) {
+  const StoneEstimate* now = find(seen.loose, push.stone.stone);
+  if (now != nullptr && difference(now->T_W_O_at_rest, push.stone.T_W_O).translation < kPushed)
+    memory.not_pushed.insert(push.stone.stone);
+}
+
 }  // namespace
 
 std::string to_text(PlacementRecord::Outcome outcome) {
@@ -414,6 +422,7 @@ RunMemory learn(RunMemory memory, const WorldEstimate& seen, const Models& model
   if (std::holds_alternative<Place>(attempt.action))
     learn_from_placing(memory, attempt, record, seen, models, options, emit);
   if (std::holds_alternative<Reorient>(attempt.action)) learn_from_reorienting(memory, attempt, record, emit);
+  if (const auto* push = std::get_if<Push>(&attempt.action)) learn_from_pushing(memory, *push, seen);
   return memory;
 }
 

@@ -113,6 +113,28 @@ TEST(PlanPush, NeedsRoomBehindTheStone) {
   EXPECT_EQ(plan_push(open.scene, open.task).status, PickAndPlacePlan::Status::kPlanned);
 }
 
+// Blocks on both sides of the way keep the gripper from going down near the stone with all the clearance that
+// it would like to have; a push that begins behind them must not end before the stone moves.
+TEST(PlanPush, BringsTheStoneAsFarAsAskedWhereverItBegins) {
+  for (const double aside : {0.042, 0.044, 0.046}) {
+    PushBench bench;
+    bench.task.p_W_shift << 0.03, 0.0;
+    const double y = (bench.task.T_W_O * bench.stone.mass.p_O_M).y(), x = bench.ends().first - 0.025;
+    for (const double side : {-1.0, 1.0})
+      bench.scene.objects.push_back({"block",
+                                     {make_box({0.04, 0.04, 0.06})},
+                                     make_pose(Eigen::Vector3d(x, y + side * (aside + 0.02), 0.03))});
+    const PickAndPlacePlan plan = plan_push(bench.scene, bench.task);
+    ASSERT_EQ(plan.status, PickAndPlacePlan::Status::kPlanned) << plan.reason;
+    const auto push = std::find_if(plan.steps.begin(), plan.steps.end(),
+                                   [](const PlanStep& step) { return step.name.starts_with("push "); });
+    ASSERT_NE(push, plan.steps.end());
+    const Eigen::Vector3d to = bench.tip(push->trajectory.q.back());
+    // The closed fingers are 40 mm deep and 73 mm wide.
+    EXPECT_GT(to.x() + 0.0365, bench.ends().first + bench.task.p_W_shift.x()) << aside;
+  }
+}
+
 TEST(PlanPush, RefusesTasksThatCannotBe) {
   PushBench bench;
   bench.task.p_W_shift.setZero();

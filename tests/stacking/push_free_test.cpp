@@ -6,6 +6,7 @@
 #include "motion/timing.hpp"
 #include "stacking/heard.hpp"
 #include "stacking/journal.hpp"
+#include "stacking/learn.hpp"
 #include "stacking/mortal_devices.hpp"
 #include "stacking/resume_point.hpp"
 #include "stonestack/core/file.hpp"
@@ -96,6 +97,29 @@ TEST(PushFree, AStoneBesideABoxIsPushedToWhereAGraspServes) {
   often.pushed = options.max_reoriented;
   EXPECT_FALSE(std::holds_alternative<Push>(choose_action(world, often, models, options).action))
       << "not for ever";
+}
+
+TEST(PushFree, AStoneThatStayedWhereItWasIsNotPushedOnceMore) {
+  const Catalogue catalogue = read_catalogue(data_path("stones"));
+  const RobotModel robot = read_robot("ur10");
+  const Models models = make_models(catalogue, robot, CellLayout{});
+  const BuildOptions options;
+  const Pose T_W_O = make_pose(Eigen::Vector3d(0.7, -0.2, 0.05));
+  for (const double moved : {0.003, 0.025}) {
+    RunMemory memory = make_memory(options);
+    Attempt attempt;
+    attempt.action = Push{{1_stone, T_W_O}, {Eigen::Vector2d(0.03, 0.0)}};
+    attempt.done.status = ExecutionResult::Status::kReleased;
+    attempt.placement.stone = 1_stone;
+    memory.attempt = attempt;
+    WorldEstimate seen;
+    seen.site = SiteStatus::kFree;
+    const Pose now = Eigen::Translation3d(moved, 0.0, 0.0) * T_W_O;
+    seen.loose.push_back({1_stone, now, now});
+    memory = learn(std::move(memory), seen, models, options, {});
+    ASSERT_EQ(memory.records.size(), 1U);
+    EXPECT_EQ(memory.not_pushed.contains(1_stone), moved < 0.01) << moved;
+  }
 }
 
 TEST(PushFree, AStoneThatCanBeGraspedIsNotPushed) {

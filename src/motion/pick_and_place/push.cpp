@@ -10,6 +10,7 @@
 #include "motion/cartesian.hpp"
 #include "motion/constants.hpp"
 #include "motion/grasp/finger_reach.hpp"
+#include "motion/grasp/gripper_check.hpp"
 #include "motion/path/round_corners.hpp"
 #include "motion/path/tool_speed.hpp"
 #include "motion/pick_and_place/pick_attempt.hpp"
@@ -25,11 +26,14 @@ constexpr double kDownSpeed = 0.03;      ///< [m/s]: what is met is felt late
 constexpr double kPushHeight = 0.35;     ///< of the stone's height, where the tips push: it slides
 constexpr double kTipsOffTable = 0.010;  ///< [m]
 constexpr double kBehindStep = 0.002;    ///< between places behind the stone that are tried [m]
+constexpr double kMetStep = 0.001;       ///< where the gripper meets the stone [m]
 constexpr double kBehindMost = 0.15;     ///< from its centre of mass [m]
 /// On the way down, from the stone and everything else [m]; the first is more than the arm and what was seen
 /// err by together.
 constexpr std::array kClearances{0.008, 0.004, 0.002};
-/// Ways on which the stone is sought from there [m]; the first leads some 15 mm past where it was seen.
+/// Ways on which the stone is sought from there [m]; the first leads some 15 mm past where it was seen. A way
+/// that ends before it is none; with the last the push itself begins there and ends as far past where the
+/// stone was seen.
 constexpr std::array kSought{0.025, 0.015, 0.008, 0.0};
 constexpr double kUpStep = 0.01;          ///< between places from where a free way up is asked for [m]
 constexpr std::array kAbove{0.12, 0.08};  ///< straight down and up again [m]
@@ -76,7 +80,8 @@ class PushPlanner {
         n_W_(Eigen::Vector3d(task.p_W_shift.x(), task.p_W_shift.y(), 0.0).normalized()),
         wide_(scene_, rules(options.transit_padding, 0.0, -1)),
         pushing_(scene_, rules(options.approach_padding, 0.0, task.object)),
-        opened_(scene_, rules(options.approach_padding, scene.gripper.max_opening, task.object)) {
+        opened_(scene_, rules(options.approach_padding, scene.gripper.max_opening, task.object)),
+        gripper_(with_stone_alone(scene_, task), 0.0, -1) {
     double highest = -std::numeric_limits<double>::infinity();
     for (const Mesh& piece : task.stone->pieces)
       for (const Eigen::Vector3d& p_O : piece.vertices) highest = std::max(highest, (task.T_W_O * p_O).z());
@@ -103,6 +108,18 @@ class PushPlanner {
   }
 
  private:
+  [[nodiscard]] static PlanningScene with_stone_alone(PlanningScene scene, const PushTask& task) {
+    scene.objects = {{task.stone->name, task.stone->pieces, task.T_W_O}};
+    return scene;
+  }
+  /// Where the gripper meets the stone on its way along the push from `begin` [m]; empty where it passes it.
+  [[nodiscard]] std::optional<double> met(const Eigen::Matrix3d& R_W_T, double begin) const {
+    const GripperCheck::Fingers closed{0.0, tip_advance(scene_.gripper, 0.0)};
+    for (double along = begin; along < kBehindMost; along += kMetStep)
+      if (gripper_.touches_object(tool(R_W_T, along, 0.0), closed, 0.0)) return along;
+    return std::nullopt;
+  }
+
   [[nodiscard]] Pose tool(const Eigen::Matrix3d& R_W_T, double along, double above) const {
     Pose T_W_T = Pose::Identity();
     T_W_T.linear() = R_W_T;
@@ -136,7 +153,11 @@ class PushPlanner {
                                                const Joints& q_behind, const CollisionChecker& among,
                                                std::string* fault) const {
     throw_if_interrupted();
-    const double length = task_.p_W_shift.norm(), latest = sought - behind, far = latest + length;
+    *fault = "the gripper cannot stand near enough behind it";
+    const auto at_stone = met(R_W_T, -behind);
+    if (!at_stone || (sought > 0 && sought - behind < *at_stone)) return std::nullopt;
+    const double latest = sought > 0 ? sought - behind : *at_stone;
+    const double far = latest + task_.p_W_shift.norm();
     *fault = "no straight push is free";
     auto up_to_it =
         sought > 0 ? straight(q_behind, tool(R_W_T, latest, 0.0)) : std::optional(JointPath{q_behind});
@@ -205,6 +226,7 @@ class PushPlanner {
   CollisionChecker wide_;     ///< the same with the padding of a transit
   CollisionChecker pushing_;  ///< closed gripper, the stone not there
   CollisionChecker opened_;   ///< open gripper, the stone not there
+  GripperCheck gripper_;      ///< the gripper and the stone, nothing else
 };
 
 PlanStep fingers_step(const char* name, double opening) {
