@@ -3,20 +3,14 @@
 #include <algorithm>
 
 #include "motion/grasp/finger_reach.hpp"
+#include "report/link_shapes.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::report {
 namespace {
 
-const Eigen::Vector3d kArmColour(0.42, 0.52, 0.62), kGripperColour(0.24, 0.25, 0.28);
-
-/// A sphere pulled apart along `axis`.
-Mesh capsule_mesh(const LinkCapsule& capsule) {
-  Mesh mesh = make_sphere(capsule.radius, 2);
-  const Eigen::Vector3d axis = capsule.b - capsule.a;
-  for (auto& v : mesh.vertices) v += axis.dot(v) > 0.0 ? capsule.b : capsule.a;
-  return mesh;
-}
+const Eigen::Vector3d kArmColour(0.68, 0.71, 0.75), kLidColour(0.37, 0.56, 0.71),
+    kGripperColour(0.24, 0.25, 0.28);
 
 }  // namespace
 
@@ -35,9 +29,9 @@ std::vector<DrawnMesh> drawn_arm(const RobotModel& robot, const GripperModel& gr
                                  const Pose& T_F_T, const ArmPose& pose) {
   const auto links = link_poses(robot, pose.q);
   std::vector<DrawnMesh> meshes;
-  for (const LinkCapsule& capsule : robot.capsules)
-    meshes.push_back(
-        {capsule_mesh(capsule), T_W_R * links[static_cast<std::size_t>(capsule.link)], kArmColour});
+  for (const LinkShape& shape : link_shapes(robot))
+    meshes.push_back({mesh_of(shape), T_W_R * links[static_cast<std::size_t>(shape.link)],
+                      shape.lid ? kLidColour : kArmColour});
   const Pose T_W_T = T_W_R * forward(robot, pose.q) * T_F_T;
   for (const GripperBox& box : gripper.boxes) {
     const Eigen::Vector3d centre = box_centre(gripper, box, pose.opening);

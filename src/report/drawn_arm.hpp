@@ -17,7 +17,7 @@ struct ArmPose {
   double opening = 0.155;  ///< between the finger pads [m]
 };
 
-/// Meshes of the links' capsules and of the gripper's boxes, in W.
+/// Meshes of the links and of the gripper's boxes, in W.
 [[nodiscard]] std::vector<DrawnMesh> drawn_arm(const RobotModel& robot, const GripperModel& gripper,
                                                const Pose& T_W_R, const Pose& T_F_T, const ArmPose& pose);
 

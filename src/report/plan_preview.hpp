@@ -29,7 +29,7 @@ struct PlanMoment {
 /// Joint angles, tool speed and clearance over time, the steps marked, as an SVG document.
 [[nodiscard]] std::string plan_plot(const PickAndPlacePlan& plan, const std::vector<PlanMoment>& moments);
 
-/// The cell at one moment: arm capsules, gripper and camera as boxes, every stone where it then is.
+/// The cell at one moment: the arm, gripper and camera as boxes, every stone where it then is.
 [[nodiscard]] std::vector<DrawnMesh> drawn_moment(const PlanningScene& scene, const PickAndPlaceTask& task,
                                                   const PickAndPlacePlan& plan, const PlanMoment& moment);
 

@@ -1,4 +1,5 @@
 #include "report/run_page.hpp"
+#include "report/link_shapes.hpp"
 
 #include <algorithm>
 #include <array>
@@ -67,12 +68,19 @@ json stone_entry(const Stone& stone) {
 json robot_entry(const RobotModel& robot, const CellLayout& layout) {
   constexpr double kReachStep = 0.005;  // m of opening
   const GripperModel gripper = stacking::gripper_of(layout);
-  json joints = json::array(), capsules = json::array(), boxes = json::array(), reach = json::array();
+  json joints = json::array(), shapes = json::array(), boxes = json::array(), reach = json::array();
   for (double opening = 0.0; opening <= gripper.max_opening + 1e-9; opening += kReachStep)
     reach.push_back(rounded(tip_advance(gripper, opening)));
   for (const Pose& T_parent_joint : robot.T_parent_joint) joints.push_back(numbers(T_parent_joint));
-  for (const LinkCapsule& c : robot.capsules)
-    capsules.push_back({{"link", c.link}, {"a", numbers(c.a)}, {"b", numbers(c.b)}, {"radius", c.radius}});
+  for (const LinkShape& shape : link_shapes(robot)) {
+    json profile = json::array();
+    for (const Eigen::Vector2d& at : shape.profile) profile.push_back({rounded(at.x()), rounded(at.y())});
+    shapes.push_back({{"link", shape.link},
+                      {"p", numbers(shape.p)},
+                      {"axis", numbers(shape.n_axis)},
+                      {"lid", shape.lid},
+                      {"profile", std::move(profile)}});
+  }
   for (const GripperBox& box : gripper.boxes)
     boxes.push_back({{"size", numbers(box.size)},
                      {"centre", numbers(box.p_T_centre)},
@@ -81,7 +89,7 @@ json robot_entry(const RobotModel& robot, const CellLayout& layout) {
                      {"advance", box.advance},
                      {"camera", box.camera}});
   return {{"T_W_R", numbers(layout.T_W_R)},    {"T_parent_joint", joints}, {"T_6_F", numbers(robot.T_6_F)},
-          {"T_F_T", numbers(layout.T_F_T)},    {"capsules", capsules},     {"boxes", boxes},
+          {"T_F_T", numbers(layout.T_F_T)},    {"shapes", shapes},         {"boxes", boxes},
           {"spacing", gripper.finger_spacing}, {"reach", reach},           {"reach_step", kReachStep}};
 }
 

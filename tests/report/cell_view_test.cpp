@@ -70,7 +70,7 @@ TEST_F(CellPage, HoldsEveryPartOfTheCell) {
   const json data = data_of(page(write("full.yaml", kFullCell)));
   EXPECT_EQ(data.at("title"), "Cell full");
   EXPECT_EQ(data.at("robot_model").at("T_parent_joint").size(), 6U);
-  EXPECT_FALSE(data.at("robot_model").at("capsules").empty());
+  EXPECT_FALSE(data.at("robot_model").at("shapes").empty());
   EXPECT_FALSE(data.at("robot_model").at("boxes").empty()) << "the gripper";
   EXPECT_EQ(data.at("site"), json({0.7, 0.3}));
   EXPECT_EQ(data.at("field").at("size"), json({0.4, 0.5}));

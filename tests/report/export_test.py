@@ -275,6 +275,28 @@ class Exports(unittest.TestCase):
         self.assertEqual(times[0], 0)
         self.assertTrue((np.diff(times) >= 0).all())
 
+    def test_compas_assembly_has_what_files_have_that_compas_wrote(self):
+        sample = pathlib.Path(__file__).parents[3] / "shared" / "assemblies" / "wall_assembly.json"
+        if not sample.exists():
+            self.skipTest(f"{sample} is not there")
+
+        def keys(node, found):
+            """Keys of each data type, joined over all of its objects."""
+            if isinstance(node, dict):
+                if "dtype" in node:
+                    found.setdefault(node["dtype"], set()).update(node["data"])
+                node = list(node.values())
+            if isinstance(node, list):
+                for part in node:
+                    keys(part, found)
+            return found
+
+        path, = export("compas", self.folder)
+        ours, theirs = keys(json.loads(path.read_text()), {}), keys(json.loads(sample.read_text()), {})
+        self.assertEqual(set(ours) - set(theirs), set(), "types that COMPAS does not have")
+        for dtype, names in ours.items():
+            self.assertEqual(names, theirs[dtype], dtype)
+
     def test_a_folder_without_its_record_is_refused_with_the_reason(self):
         self.assertIn("no folder", export("glb", self.folder, self.folder / "nowhere", 3))
         killed = self.folder / "killed"

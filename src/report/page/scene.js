@@ -40,31 +40,22 @@ function makeStone(stone, index) {
   return mesh;
 }
 
-function makeCapsule(a, b, radius, material) {
-  const group = new THREE.Group();
-  const from = new THREE.Vector3(...a), to = new THREE.Vector3(...b);
-  const length = from.distanceTo(to);
-  if (length > 1e-6) {
-    const tube = new THREE.Mesh(new THREE.CylinderGeometry(radius, radius, length, 32), material);
-    tube.position.copy(from).add(to).multiplyScalar(0.5);
-    tube.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), to.clone().sub(from).normalize());
-    group.add(tube);
-  }
-  for (const end of [from, to]) {
-    const cap = new THREE.Mesh(new THREE.SphereGeometry(radius, 32, 20), material);
-    cap.position.copy(end);
-    group.add(cap);
-  }
-  group.traverse((part) => { part.castShadow = part.receiveShadow = true; });
-  return group;
+// A surface of revolution: its profile lists distance along the axis and radius.
+function makeLathe(shape, material) {
+  const lathe = new THREE.Mesh(new THREE.LatheGeometry(
+      shape.profile.map(([along, radius]) => new THREE.Vector2(Math.max(radius, 1e-5), along)), 48), material);
+  lathe.position.set(...shape.p);
+  lathe.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), new THREE.Vector3(...shape.axis));
+  lathe.castShadow = lathe.receiveShadow = true;
+  return lathe;
 }
 
 // Links as nested groups: each joint turns about its own z.
 function makeArm(robot) {
   const base = new THREE.Group();
   setPose(base, robot.T_W_R);
-  const grey = new THREE.MeshStandardMaterial({color: 0xaeb6bf, roughness: 0.35, metalness: 0.45});
-  const blue = new THREE.MeshStandardMaterial({color: 0x5f8fb4, roughness: 0.4, metalness: 0.3});
+  const grey = new THREE.MeshStandardMaterial({color: 0xc3c9d0, roughness: 0.4, metalness: 0.1, side: THREE.DoubleSide});
+  const blue = new THREE.MeshStandardMaterial({color: 0x5f9fd0, roughness: 0.4, metalness: 0.1, side: THREE.DoubleSide});
   const dark = new THREE.MeshStandardMaterial({color: 0x33373d, roughness: 0.6, metalness: 0.3});
   const links = [base], joints = [];
   for (const pose of robot.T_parent_joint) {
@@ -75,8 +66,7 @@ function makeArm(robot) {
     links.push(joint);
     joints.push(joint);
   }
-  robot.capsules.forEach((c) => links[c.link].add(makeCapsule(c.a, c.b, c.radius,
-      new THREE.Vector3(...c.a).distanceTo(new THREE.Vector3(...c.b)) < 0.25 ? blue : grey)));
+  robot.shapes.forEach((shape) => links[shape.link].add(makeLathe(shape, shape.lid ? blue : grey)));
   const flange = new THREE.Group(), tool = new THREE.Group();
   setPose(flange, robot.T_6_F);
   setPose(tool, robot.T_F_T);
