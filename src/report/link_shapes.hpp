@@ -21,7 +21,7 @@ struct LinkShape {
 /// that lie along no joint and end in no housing are drawn as they are.
 [[nodiscard]] std::vector<LinkShape> link_shapes(const RobotModel& robot);
 
-/// The same as a mesh, in the link's frame.
+/// Mesh of a shape, in the link's frame.
 [[nodiscard]] Mesh mesh_of(const LinkShape& shape);
 
 }  // namespace stonestack::report
