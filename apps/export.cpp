@@ -10,11 +10,13 @@ namespace {
 
 struct ExportCommand {
   std::string run, format, out;
+  bool json = false;
 };
 
 void export_files(ExportCommand& command) {
-  for (const std::string& path : export_run(command.run, command.format, command.out))
-    std::cout << path << '\n';
+  const auto files = export_run(command.run, command.format, command.out);
+  if (command.json) std::cout << export_json(command.format, files);
+  for (const std::string& path : files) (command.json ? std::cerr : std::cout) << path << '\n';
 }
 
 }  // namespace
@@ -33,6 +35,7 @@ void add_export(CLI::App& app) {
       ->type_name("FORMAT")
       ->check(CLI::IsMember(export_formats()));
   add_path(sub, "--out", command.out, "Folder to write to; made if missing (default: RUN/export)", "DIR");
+  sub.add_flag("--json", command.json, "Result as JSON on stdout");
   sub.footer(
       "Prints the paths of the files. Stones are where they were measured last.\n"
       "Examples:\n"

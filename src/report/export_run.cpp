@@ -288,4 +288,8 @@ std::vector<std::string> export_run(const std::string& run, const std::string& f
   return {export_png(record, folder)};
 }
 
+std::string export_json(const std::string& format, const std::vector<std::string>& files) {
+  return document({{"schema", "stonestack.export/1"}, {"format", format}, {"files", files}});
+}
+
 }  // namespace stonestack::report

@@ -35,6 +35,12 @@ TEST_F(EveryCommand, HasHelpWithAnExample) {
   }
 }
 
+TEST_F(EveryCommand, OffersJson) {
+  for (const std::string& command : listed_commands(run("--help").out))
+    if (command != "config" && command != "completion")  // `config show` does; the other writes a script
+      EXPECT_THAT(run(command + " --help").out, HasSubstr("--json")) << command;
+}
+
 TEST_F(EveryCommand, RefusesBadUsageWithExitCode2) {
   for (const std::string& command : listed_commands(run("--help").out)) {
     expect_refusal(command + " --no-such-option", 2, {"stonestack " + command, "--no-such-option"});
@@ -115,7 +121,12 @@ TEST_F(EveryCommand, PrintsItsResultOnStdoutWithoutJsonToo) {
   const Outcome replayed = run("replay record -q");
   EXPECT_EQ(replayed.code, 0) << replayed.err;
   EXPECT_THAT(replayed.out, HasSubstr("the same: "));
+  EXPECT_EQ(run("replay record --json -q").data().value("schema", ""), "stonestack.replay/1");
   EXPECT_EQ(run("replay scene").code, 3) << "no run";
+  EXPECT_EQ(run("decide record/state-001.json --json").data().value("schema", ""), "stonestack.decision/1");
+  const json files = run("export record --to ply --out tower --json").data();
+  EXPECT_EQ(files.value("schema", ""), "stonestack.export/1");
+  EXPECT_EQ(files.value("files", json::array()).size(), 1U);
 }
 
 TEST_F(EveryCommand, VerboseLogsEveryEvent) {

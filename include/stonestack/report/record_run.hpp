@@ -231,6 +231,8 @@ struct RecordedExperiment {
 /// @throws InvalidArgument for another format; FileError for a folder without the record of a run that ended.
 std::vector<std::string> export_run(const std::string& run, const std::string& format,
                                     const std::string& out = {});
+/// JSON of what `export_run` has written, schema "stonestack.export/1".
+[[nodiscard]] std::string export_json(const std::string& format, const std::vector<std::string>& files);
 
 }  // namespace stonestack::report
 
