@@ -59,10 +59,12 @@ void add_render(CLI::App& app) {
       "scene.distance");
   sub.add_option("--tilt", command.tilt_degrees, "Camera off the vertical, degrees (default: 10)")
       ->check(CLI::Range(0.0, 80.0));
-  command.settings.bind(sub.add_option("--sensor", simulation.sensor, "Depth camera to imitate")
-                            ->check(CLI::IsMember({"sr300", "d435", "ideal"}))
-                            ->capture_default_str(),
-                        "simulation.sensor");
+  command.settings.bind(
+      sub.add_option("--sensor", simulation.sensor,
+                     "Depth camera to imitate: sr300, d435, d415, l515, xtion, kinect1, azure, "
+                     "f200, ideal or a file (docs/formats.md, Sensors)")
+          ->capture_default_str(),
+      "simulation.sensor");
   sub.add_flag("--no-noise", command.no_noise, "A perfect sensor of that kind");
   add_path(sub, "--catalogue", command.catalogue, "Folder of stones (default: those that come with it)",
            "DIR");

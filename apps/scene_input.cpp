@@ -10,6 +10,10 @@
 namespace stonestack::apps {
 
 void register_depth_input(CLI::App& command, DepthInput& input) {
+  command.add_option(
+      "--sensor", input.sensor,
+      "Kind of the depth camera, for its range, and count and nominal lens of a depth PNG: sr300, "
+      "d435, d415, l515, xtion, kinect1, azure, f200 or a file (docs/formats.md, Sensors)");
   command.add_option("--depth-unit", input.unit, "m a count of a depth PNG; never guessed")
       ->check(CLI::Range(1e-6, 0.1));
   command.add_option("--camera", input.camera, "fx,fy,cx,cy of a depth PNG, pixels");

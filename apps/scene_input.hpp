@@ -9,7 +9,7 @@
 
 namespace stonestack::apps {
 
-/// --depth-unit, --camera, --distortion, --frame, --units.
+/// --sensor, --depth-unit, --camera, --distortion, --frame, --units.
 void register_depth_input(CLI::App& command, DepthInput& input);
 
 /// Scenes of a command that takes one view or several of one scene.

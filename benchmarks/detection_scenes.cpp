@@ -180,7 +180,7 @@ BenchScene SceneMaker::make(const SceneKind& kind, std::uint64_t seed, const Cam
   world.add(make_box({1.6, 1.6, 0.02}), make_pose({0, 0, -0.01}));
   for (const auto& p : placed) world.add(at(stones_, p.stone).scan, p.T_W_O);
   world.commit();
-  const SensorModel sensor = make_sensor(kind.sensor);
+  const SensorModel sensor = read_sensor(kind.sensor);
   const double tilt = random.uniform(kind.min_tilt, kind.max_tilt), azimuth = random.uniform(0, 2 * kPi);
   BenchScene scene;
   for (int v = 0; v < kind.views; ++v) {

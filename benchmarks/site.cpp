@@ -108,7 +108,7 @@ TowerScene draw_scene(const StonePool& pool, int height, int loose, Random& rand
     for (const PlacedStone& placed : *list) world.add(at(pool.stones, placed.stone).scan, placed.T_W_O);
   world.commit();
   scene.T_W_C = camera_over_scene(random);
-  const SensorModel sensor = make_sensor(random.uniform() < 0.5 ? "sr300" : "d435");
+  const SensorModel sensor = read_sensor(random.uniform() < 0.5 ? "sr300" : "d435");
   scene.image = add_noise(render(world, sensor.camera, scene.T_W_C), scene.T_W_C, sensor, random);
   return scene;
 }

@@ -185,62 +185,6 @@ void punch_holes(DepthImage& image, const SensorModel& model, Random& random) {
 
 }  // namespace
 
-SensorModel make_sr300() {
-  SensorModel model;
-  model.name = "sr300";
-  model.sigma = 0.0004;
-  model.sigma_square = 0.001;
-  model.grazing = 0.25;
-  model.min_cosine = 0.17;
-  model.bias = 0.0005;
-  model.edge_jitter = 0.45;
-  model.edge_flying = 0.30;
-  model.edge_holes = 0.30;
-  model.shadow_baseline = 0.026;
-  model.hole_share = 0.004;
-  model.blobs = 6;
-  return model;
-}
-
-SensorModel make_d435() {
-  SensorModel model = make_sr300();
-  model.name = "d435";
-  model.camera = model.lens = {848, 480, 425.0, 425.0, 423.5, 239.5};
-  model.unit = 0.001;
-  model.farthest = 3.0;
-  model.sigma = 0.0;
-  model.sigma_square = 0.0;
-  model.stereo_subpixel = 0.08;
-  model.stereo_baseline = 0.05;
-  model.shadow_baseline = 0.05;
-  model.correlation = 1.5;
-  model.min_cosine = 0.10;
-  model.edge_jitter = 1.0;
-  return model;
-}
-
-SensorModel make_f200() {
-  SensorModel model = make_sr300();
-  model.name = "f200";
-  model.unit = 0.0001;
-  model.sigma = 0.0002;
-  model.sigma_square = 0.00043;
-  model.correlation = 0.45;
-  model.bias = 0.0008;
-  model.edge_reach = 3;
-  model.edge_flying = 0.45;
-  model.edge_holes = 0.40;
-  return model;
-}
-
-SensorModel make_sensor(const std::string& name) {
-  if (name == "sr300") return make_sr300();
-  if (name == "d435") return make_d435();
-  if (name == "f200") return make_f200();
-  require(name == "ideal", "no depth camera is called '", name, "'; there are sr300, d435, f200 and ideal");
-  return {};
-}
-
 DepthImage add_noise(const RenderedView& view, const Pose& T_W_C, const SensorModel& model, Random& random) {
   const auto& camera = view.depth.camera;
   require(view.depth.z.size() == view.normal_W.size(), "a view has a normal for every pixel, got ",
@@ -267,6 +211,10 @@ DepthImage add_noise(const RenderedView& view, const Pose& T_W_C, const SensorMo
   punch_holes(image, model, random);
   for (auto& z : image.z) {
     const bool in_range = z >= model.nearest && z <= model.farthest;
+    if (in_range && model.disparity_step > 0) {
+      const double step = model.disparity_step / (camera.fx * model.stereo_baseline);  // of 1 / z
+      z = static_cast<float>(1.0 / (step * std::max(1.0, std::round(1.0 / (step * z)))));
+    }
     z = in_range ? static_cast<float>(std::round(z / model.unit) * model.unit) : 0.0F;
   }
   return image;

@@ -76,7 +76,7 @@ FieldList fields(SimulationOptions& o) {
           field("friction", o.friction, {0.05, 2.0}, "", "true coefficient between stones, mean over pairs")),
       field("friction_spread", o.friction_spread, {0.0, 1.0}, "",
             "half width of the uniform draw for each pair"),
-      user(field("sensor", o.sensor, "depth camera: sr300, d435, f200 (as recorded) or ideal")),
+      user(field("sensor", o.sensor, "depth camera: a name of data/sensors, a file of that form, or ideal")),
       field("sensor_noise", o.sensor_noise, "false: camera and force sensor are exact"),
       field("sensor_scale", o.sensor_scale, {0.0, 10.0}, "",
             "factor on the camera's errors and the force sensor's noise"),

@@ -40,7 +40,7 @@ void scale_errors(SensorModel& sensor, double factor) {
 }  // namespace
 
 SensorModel choose_sensor(const SimulationOptions& options) {
-  SensorModel sensor = make_sensor(options.sensor);
+  SensorModel sensor = read_sensor(options.sensor);
   sensor.lens = true_lens(sensor.camera, options);
   if (options.sensor_noise) {
     if (options.sensor_scale != 1.0) scale_errors(sensor, options.sensor_scale);

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "geometry/depth_sequence.hpp"
+#include "geometry/sensor_model.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/geometry/cloud.hpp"
@@ -129,16 +130,26 @@ CameraIntrinsics parse_camera(const DepthInput& input) {
 
 SceneView view_of_picture(const std::string& path, const DepthInput& input) {
   require(input.frame == 0, path, " is one picture: --frame is for recordings");
-  if (input.camera.empty())
-    throw FileError(path, "comes without the camera's intrinsics", "give --camera fx,fy,cx,cy");
-  if (input.unit == 0.0)
+  if (input.camera.empty() && input.sensor.empty())
+    throw FileError(path, "comes without the camera's intrinsics",
+                    "give --camera fx,fy,cx,cy, or --sensor for a nominal lens");
+  if (input.unit == 0.0 && input.sensor.empty())
     throw FileError(path, "does not say how many metres a count is",
-                    "give --depth-unit (SR300: 0.000125, D435: 0.001)");
-  CameraIntrinsics camera = parse_camera(input);
+                    "give --sensor, or --depth-unit (SR300: 0.000125, D435: 0.001)");
   const Eigen::Vector2i size = png_size(path);
+  const double unit = input.unit > 0.0 ? input.unit : geometry::read_sensor(input.sensor).unit;
+  CameraIntrinsics camera;
+  if (input.camera.empty()) {
+    camera = with_distortion(geometry::nominal_lens(geometry::read_sensor(input.sensor), size.x(), size.y()),
+                             input);
+    log_warning(concat(path, ": the nominal lens of ", input.sensor, " is assumed (--camera ", camera.fx, ",",
+                       camera.fy, ",", camera.cx, ",", camera.cy, "); a camera's own differs by a percent"));
+  } else {
+    camera = parse_camera(input);
+  }
   camera.width = size.x(), camera.height = size.y();
   check_principal_point(camera, path);
-  return {read_depth_png(path, camera, input.unit), std::nullopt};
+  return {read_depth_png(path, camera, unit), std::nullopt};
 }
 
 SceneView view_of_recording(const std::string& folder, const DepthInput& input) {
@@ -154,10 +165,9 @@ SceneView view_of_recording(const std::string& folder, const DepthInput& input) 
   return {read_depth(record), record.T_W_C};
 }
 
-}  // namespace
-
-SceneView read_view(const std::string& path, const std::string& camera_pose, bool world,
-                    const DepthInput& depth) {
+/// Any kind of file, with all of its depths.
+SceneView whole_view(const std::string& path, const std::string& camera_pose, bool world,
+                     const DepthInput& depth) {
   const bool folder = std::filesystem::is_directory(path);
   const bool cloud_file =
       !folder && !is_scene_file(path) && std::filesystem::path(path).extension() != ".png";
@@ -188,6 +198,19 @@ SceneView read_view(const std::string& path, const std::string& camera_pose, boo
     throw FileError(path, "has neither depth nor cloud",
                     "add one, or give the stones' poses to `stonestack search`");
   }
+  return view;
+}
+
+}  // namespace
+
+SceneView read_view(const std::string& path, const std::string& camera_pose, bool world,
+                    const DepthInput& depth) {
+  std::optional<geometry::SensorModel> sensor;
+  if (!depth.sensor.empty()) sensor = geometry::read_sensor(depth.sensor);  // before a large file is read
+  SceneView view = whole_view(path, camera_pose, world, depth);
+  if (sensor && !view.world)  // a cloud in the world frame is seen from anywhere
+    for (float& z : view.image.z)
+      if (z < sensor->nearest || z > sensor->farthest) z = 0.0F;
   return view;
 }
 

@@ -170,6 +170,21 @@ TEST_F(DetectCommand, ExplainsWhyAStoneWasNotFoundAndDrawsIt) {
   expect_refusal("detect scene/scene.yaml --explain limestone_77", 2, {"limestone_77"});
 }
 
+TEST_F(DetectCommand, TakesCountLensAndRangeOfAKnownSensor) {
+  const Outcome whole =
+      run("detect scene/depth.png --camera 475,475,319.5,239.5 --depth-unit 0.000125 --json");
+  const Outcome named = run("detect scene/depth.png --sensor sr300 --json");
+  EXPECT_EQ(named.code, 0) << named.err;
+  EXPECT_THAT(named.err, HasSubstr("nominal lens of sr300"));
+  EXPECT_EQ(named.data()["detections"], whole.data()["detections"]);
+  std::string far = read_file(std::string(STONESTACK_SOURCE_DIR) + "/data/sensors/sr300.yaml", 1 << 20);
+  far.replace(far.find("nearest: 0.2"), 12, "nearest: 1.2");  // further than the table
+  write("far.yaml", far);
+  const Outcome none = run("detect scene/depth.png --sensor far.yaml --json");
+  EXPECT_NE(none.code, 0) << none.out;
+  expect_refusal("detect scene/depth.png --sensor kinect9", 3, {"kinect9", "kinect1"});
+}
+
 TEST_F(DetectCommand, WarnsOfADepthUnitThatIsALittleOff) {
   const std::string camera = "--camera 475,475,319.5,239.5 --json --depth-unit ";
   const Outcome right = run("detect scene/depth.png " + camera + "0.000125");

@@ -43,7 +43,7 @@ class SearchCloud : public Commands {
     world.add(make_box({3.0, 3.0, 0.02}), make_pose(Eigen::Vector3d(0.7, 0, -0.01)));
     for (const NamedPose& item : truth_) world.add(catalogue[catalogue.index(item.stone)].scan, item.T_W_O);
     world.commit();
-    const SensorModel sensor = make_sensor("sr300");
+    const SensorModel sensor = read_sensor("sr300");
     Random random = Random::stream(1, "search cloud");
     cloud_ = to_cloud(add_noise(render(world, sensor.camera, T_W_C_), T_W_C_, sensor, random));
   }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <set>
 
 #include "stonestack/core/error.hpp"
 
@@ -55,14 +56,14 @@ Moments moments(const RenderedView& view, const DepthImage& image) {
 TEST(SensorNoise, IdealSensorOnlyCountsAndClips) {
   const auto view = make_view([](int u, int) { return u < 200 ? 0.19 : u < 400 ? 0.70003 : 1.51; });
   Random random(1);
-  const auto image = add_noise(view, Pose::Identity(), make_sensor("ideal"), random);
+  const auto image = add_noise(view, Pose::Identity(), read_sensor("ideal"), random);
   EXPECT_EQ(image.at(100, 100), 0.0F);
   EXPECT_NEAR(image.at(300, 100), 0.7, 1e-6);
   EXPECT_EQ(image.at(500, 100), 0.0F);
 }
 
 TEST(SensorNoise, Sr300SigmaGrowsWithDepthAsModelled) {
-  auto model = make_sr300();
+  auto model = read_sensor("sr300");
   model.bias = 0;
   for (const double z : {0.4, 0.7, 1.0, 1.3}) {
     Random random(5);
@@ -73,7 +74,7 @@ TEST(SensorNoise, Sr300SigmaGrowsWithDepthAsModelled) {
 }
 
 TEST(SensorNoise, BiasStaysFromFrameToFrameAndHasItsSize) {
-  auto model = make_sr300();
+  auto model = read_sensor("sr300");
   double squares = 0;
   int count = 0;
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
@@ -100,7 +101,7 @@ TEST(SensorNoise, BiasStaysFromFrameToFrameAndHasItsSize) {
 }
 
 TEST(SensorNoise, GrazingSurfacesAreNoisierAndThenVanish) {
-  auto model = make_sr300();
+  auto model = read_sensor("sr300");
   model.bias = 0;
   const auto tilted = [](double degrees) {
     const double a = degrees * 0.017453292519943295;
@@ -120,7 +121,7 @@ TEST(SensorNoise, EdgesFlyVanishAndCastAShadowAwayFromTheProjector) {
   // of the camera, so the strip behind a RIGHT edge is lit and the one behind a LEFT edge is dark.
   const auto view = make_view([](int u, int) { return u > 250 && u < 390 ? 0.5 : 0.8; });
   Random random(4);
-  const auto image = add_noise(view, Pose::Identity(), make_sr300(), random);
+  const auto image = add_noise(view, Pose::Identity(), read_sensor("sr300"), random);
   const double strip = 475 * 0.026 * (1 / 0.5 - 1 / 0.8);  // px of disparity between the walls
   int dark_left = 0, dark_right = 0, flying = 0, edge = 0;
   for (int v = 0; v < 480; ++v) {
@@ -153,7 +154,7 @@ double hole_share(const SensorModel& model, int frames) {
 }
 
 TEST(SensorNoise, HolesHaveTheirShare) {
-  SensorModel model = make_sr300();
+  SensorModel model = read_sensor("sr300");
   // Single pixels, and six ellipses a frame: half axes uniform in 0.5 to 1.5 times the radius, so the mean
   // area is that of the circle.
   const double specks = 0.004, patches = 6 * 3.14159265 * 6.0 * 6.0 / (640.0 * 480.0);
@@ -165,7 +166,7 @@ TEST(SensorNoise, HolesHaveTheirShare) {
 }
 
 TEST(SensorNoise, D435IsCorrelatedAndFollowsTheStereoLaw) {
-  auto model = make_d435();
+  auto model = read_sensor("d435");
   model.bias = 0;
   model.unit = 1e-6;  // counts of 1 mm hide the law
   const auto view = flat(0.7);
@@ -186,17 +187,25 @@ TEST(SensorNoise, D435IsCorrelatedAndFollowsTheStereoLaw) {
 
 TEST(SensorNoise, SameSeedSameImage) {
   Random first(11), again(11), other(12);
-  const auto a = add_noise(flat(0.7), Pose::Identity(), make_sr300(), first);
-  EXPECT_EQ(a.z, add_noise(flat(0.7), Pose::Identity(), make_sr300(), again).z);
-  EXPECT_NE(a.z, add_noise(flat(0.7), Pose::Identity(), make_sr300(), other).z);
+  const auto a = add_noise(flat(0.7), Pose::Identity(), read_sensor("sr300"), first);
+  EXPECT_EQ(a.z, add_noise(flat(0.7), Pose::Identity(), read_sensor("sr300"), again).z);
+  EXPECT_NE(a.z, add_noise(flat(0.7), Pose::Identity(), read_sensor("sr300"), other).z);
 }
 
-TEST(SensorNoise, UnknownCameraIsNamed) {
-  try {
-    (void)make_sensor("kinect");
-    FAIL();
-  } catch (const InvalidArgument& error) {
-    EXPECT_NE(std::string(error.what()).find("kinect"), std::string::npos);
+TEST(SensorNoise, DisparitiesOfAStructuredLightCameraComeInSteps) {
+  SensorModel model = read_sensor("kinect1");
+  for (const double z : {0.6, 1.0, 1.8}) {
+    Random random(3);
+    const auto image = add_noise(flat(z), Pose::Identity(), model, random);
+    std::set<float> depths;
+    for (const float depth : image.z)
+      if (std::abs(depth - z) < 0.02) depths.insert(depth);
+    ASSERT_GT(depths.size(), 2U) << z;
+    double step = 1.0;
+    for (auto depth = std::next(depths.begin()); depth != depths.end(); ++depth)
+      step = std::min(step, static_cast<double>(*depth - *std::prev(depth)));
+    // An eighth of a pixel: 2.87 mm at 1 m and with the square of the depth; counts are of 1 mm.
+    EXPECT_NEAR(step, 0.00287 * z * z, 0.0011) << z;
   }
 }
 
@@ -227,7 +236,7 @@ double plane_noise(const DepthImage& image) {
 TEST(SensorNoise, F200IsAsNoisyAsItsRecordings) {
   for (const auto& [z, recorded] : {std::pair{0.6, 0.00035}, {0.7, 0.00042}, {0.8, 0.00047}}) {
     Random random(3);
-    const auto image = add_noise(flat(z), Pose::Identity(), make_f200(), random);
+    const auto image = add_noise(flat(z), Pose::Identity(), read_sensor("f200"), random);
     EXPECT_NEAR(plane_noise(image), recorded, 0.12 * recorded) << "at " << z << " m";
   }
 }
@@ -236,7 +245,7 @@ TEST(SensorNoise, F200SmearsEdgesAsItsRecordings) {
   // A box edge in front of a table; the recordings have 3.2 floating pixels a crossing and, beside the
   // shadow, about three holes.
   const auto step = make_view([](int u, int) { return u < 320 ? 0.60 : 0.70; });
-  auto model = make_f200();
+  auto model = read_sensor("f200");
   model.shadow_baseline = 0.0;
   model.hole_share = 0.0;
   model.blobs = 0;

@@ -25,7 +25,7 @@ struct SimulationOptions {
   std::string engine = "bullet";        ///< of the true world: bullet or ode; the planner's is Bullet
   double friction = 0.5;                ///< true, stone on stone and on the table: mean over pairs
   double friction_spread = 0.15;        ///< half width of the uniform draw per pair
-  std::string sensor = "sr300";         ///< depth camera: sr300, d435 or ideal
+  std::string sensor = "sr300";         ///< depth camera: of data/sensors, a file, or ideal
   bool sensor_noise = true;             ///< of the camera's model and of the force sensor
   double sensor_scale = 1.0;            ///< factor on the errors of the camera's model and the force noise
   double lens_focal = 0.0;              ///< true focal length beside the reported one, as a share
