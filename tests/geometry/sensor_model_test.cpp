@@ -12,7 +12,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// What reading a changed copy of the D435's file is refused with.
+/// Error of reading a changed copy of the file of the D435; empty if there is none.
 std::string refusal(const std::string& from, const std::string& to) {
   std::string text = read_file(data_path("sensors/d435.yaml"), 1 << 20);
   const std::size_t at = text.find(from);

@@ -204,8 +204,8 @@ TEST(SensorNoise, DisparitiesOfAStructuredLightCameraComeInSteps) {
     double step = 1.0;
     for (auto depth = std::next(depths.begin()); depth != depths.end(); ++depth)
       step = std::min(step, static_cast<double>(*depth - *std::prev(depth)));
-    // An eighth of a pixel: 2.87 mm at 1 m and with the square of the depth; counts are of 1 mm.
-    EXPECT_NEAR(step, 0.00287 * z * z, 0.0011) << z;
+    // An eighth of a pixel at 475 px and 75 mm: 3.51 mm at 1 m, with the square of the depth; counts of 1 mm.
+    EXPECT_NEAR(step, 0.00351 * z * z, 0.0011) << z;
   }
 }
 

@@ -68,8 +68,8 @@ struct DepthInput {
   std::string distortion;   ///< none, brown_conrady:k1,k2,p1,p2,k3 or inverse_brown_conrady:...
   int frame = 0;            ///< of a recording
   std::string units = "m";  ///< of a cloud's coordinates: m, cm, mm
-  /// Kind of the depth camera: a name of data/sensors or a file of that form. Depths outside its range are left
-  /// out; a depth PNG that comes without them has its count and its nominal lens. Empty: not said.
+  /// Kind of the depth camera: a name of data/sensors or a file of that form. Depths outside its range are
+  /// left out; a depth PNG that comes without them has its count and its nominal lens. Empty: not said.
   std::string sensor;
 };
 
