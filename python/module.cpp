@@ -615,11 +615,11 @@ PYBIND11_MODULE(stonestack, m) {
   add_errors(m);
   py::class_<DepthInput>(m, "DepthInput")
       .def(py::init([](double unit, const std::string& camera, const std::string& distortion, int frame,
-                       const std::string& units) {
-             return DepthInput{unit, camera, distortion, frame, units};
+                       const std::string& units, const std::string& sensor) {
+             return DepthInput{unit, camera, distortion, frame, units, sensor};
            }),
            py::kw_only(), py::arg("unit") = 0.0, py::arg("camera") = "", py::arg("distortion") = "",
-           py::arg("frame") = 0, py::arg("units") = "m");
+           py::arg("frame") = 0, py::arg("units") = "m", py::arg("sensor") = "");
   add_stones(m);
   add_scenes(m);
   add_detection(m);

@@ -93,8 +93,9 @@ def read_catalogue(path: CatalogueLike = None) -> Catalogue:
 class DepthInput:
     """What a depth image, a recording or a cloud does not contain."""
     def __init__(self, *, unit: float = 0.0, camera: str = "", distortion: str = "", frame: int = 0,
-                 units: str = "m") -> None:
-        """unit: metres a count. camera: fx,fy,cx,cy. units of a cloud: m, cm, mm."""
+                 units: str = "m", sensor: str = "") -> None:
+        """unit: metres a count. camera: fx,fy,cx,cy. units of a cloud: m, cm, mm. sensor: a name of data/sensors,
+        or a file."""
 
 class DepthImage:
     """Depths along the optical axis, 0 where there is none, of a camera without distortion."""
