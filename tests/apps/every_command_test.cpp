@@ -36,9 +36,11 @@ TEST_F(EveryCommand, HasHelpWithAnExample) {
 }
 
 TEST_F(EveryCommand, OffersJson) {
-  for (const std::string& command : listed_commands(run("--help").out))
-    if (command != "config" && command != "completion")  // `config show` does; the other writes a script
-      EXPECT_THAT(run(command + " --help").out, HasSubstr("--json")) << command;
+  for (const std::string& command : listed_commands(run("--help").out)) {
+    if (command == "config" || command == "completion")
+      continue;  // `config show` does; the other is a script
+    EXPECT_THAT(run(command + " --help").out, HasSubstr("--json")) << command;
+  }
 }
 
 TEST_F(EveryCommand, RefusesBadUsageWithExitCode2) {
