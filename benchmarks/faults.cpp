@@ -14,7 +14,7 @@ namespace stonestack::bench {
 namespace {
 
 struct FaultBench {
-  int seed = 1, stones = 1, threads = 0;
+  int seed = 1, stones = 1, threads = 1;
   std::vector<std::string> only, phases;
 };
 
