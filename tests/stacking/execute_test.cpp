@@ -107,7 +107,7 @@ TEST(Execute, AnArmThatIsLostAtTheGraspIsNoFailedGrasp) {
   bench.plan.steps = {grasp};
   bench.gripper.object = true;
   Cell cell{lost, bench.gripper, bench.force, bench.camera, *bench.clock, bench.layout};
-  EXPECT_THROW((void)execute(bench.plan, bench.stone, bench.scene, cell, {}), DeviceError);
+  EXPECT_THROW((void)execute(bench.plan, bench.stone, bench.scene, cell, {}, nullptr), DeviceError);
   EXPECT_TRUE(lost.commands.empty()) << "no motion after the loss";
   EXPECT_THAT(bench.arm.commands, testing::ElementsAre("open")) << "closed once, not opened";
 }
