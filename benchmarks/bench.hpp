@@ -13,6 +13,7 @@ namespace stonestack::bench {
 /// ends, fails or is interrupted. What --record names is written at the end, with the command.
 void measure_by(CLI::App& sub, std::function<void(Results&)> measure);
 
+void add_faults(CLI::App& app);
 void add_kinematics(CLI::App& app);
 void add_modelling(CLI::App& app);
 void add_motion(CLI::App& app);

@@ -22,7 +22,7 @@ void set_up(CLI::App& app) {
         add_grasp,     add_hold,         add_rest,     add_motion,      add_collision,   add_cartesian,
         add_timing,    add_descent,      add_rtde,     add_results,     add_site,        add_structures,
         add_walls,     add_tasks,        add_problems, add_solve,       add_score,       add_grippers,
-        add_modelling, add_schedule,     add_soak,     add_resume,      add_push})
+        add_modelling, add_schedule,     add_soak,     add_resume,      add_push,        add_faults})
     add(app);
 }
 

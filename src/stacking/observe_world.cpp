@@ -48,11 +48,11 @@ SiteStatus view_site(Workcell& w, Views& views) {
     const Eigen::Vector2d seen_along = level_direction(of_site.front().T_W_C);
     std::erase_if(poses,
                   [&](const Pose& T_W_C) { return level_direction(T_W_C).dot(seen_along) > kOtherSide; });
-    try {
-      of_site.push_back(view_along(w, route_to(w, {{}, true}, poses)));
-    } catch (const DeviceError&) {
+    // Only a missing route is passed over: an arm or a camera that fails ends the run.
+    if (const auto route = find_route(w, {{}, true}, poses))
+      of_site.push_back(view_along(w, *route));
+    else
       w.emit(SiteSeenFromOneSide{});
-    }
   }
   views.insert(views.end(), of_site.begin(), of_site.end());
   return status;

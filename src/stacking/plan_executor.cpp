@@ -54,10 +54,10 @@ ExecutionResult PlanExecutor::grasp(const PlanStep& step) const {
   try {
     const GripperState held = cell.gripper.move(0.0, speed, step.force > 0 ? step.force : kFingerForce);
     if (!held.object) return give_up(step, "the fingers closed on nothing");
-    set_payload(true);
   } catch (const DeviceError& problem) {  // jammed, or refused: the arm has not moved, so opening is safe
     return give_up(step, problem.what());
   }
+  set_payload(true);  // an arm that does not answer is no failed grasp: it ends the run
   return {};
 }
 

@@ -1,15 +1,20 @@
 #pragma once
+#include <optional>
+
 #include "stonestack/hardware/cell.hpp"
 #include "stonestack/stacking/build_tower.hpp"
 
-/// Private to stacking/: devices that pass every command on and record what arm and gripper did.
+/// Private to stacking/: devices that pass every command on, record what arm and gripper did, and refuse
+/// readings that cannot be true, from whichever driver they come.
 namespace stonestack::stacking {
 
-/// Wrappers around the devices of a cell. They write into a timeline that outlives them.
+/// Wrappers around the devices of a cell. They write into a timeline that outlives them, and throw
+/// DeviceError for numbers that are not finite or out of range, for an arm that stands elsewhere than its
+/// last motion ended, and for a camera's frame that came before or shows next to nothing.
 class RecordedDevices {
  public:
   RecordedDevices(const Cell& cell, Timeline& timeline);
-  /// Cell with recorded arm, gripper and force sensor.
+  /// Cell with recorded devices.
   [[nodiscard]] Cell cell();
 
  private:
@@ -34,12 +39,13 @@ class RecordedDevices {
    private:
     Arm& arm_;
     Recording& recording_;
+    std::optional<Joints> q_at_end_;  ///< of the last motion
   };
 
   class RecordedGripper final : public Gripper {
    public:
     RecordedGripper(Gripper& gripper, Recording& recording) : gripper_(gripper), recording_(recording) {}
-    [[nodiscard]] GripperState state() override { return gripper_.state(); }
+    [[nodiscard]] GripperState state() override;
     GripperState move(double opening, double speed, double force) override;
     void spread(double spacing) override;
 
@@ -60,11 +66,27 @@ class RecordedDevices {
     Recording& recording_;
   };
 
+  class CheckedCamera final : public DepthCamera {
+   public:
+    explicit CheckedCamera(DepthCamera& camera) : camera_(camera) {}
+    [[nodiscard]] DepthFrame capture() override;
+
+   private:
+    /// Number and time of a frame.
+    struct Stamp {
+      long number = 0;
+      double device_time = 0.0;  ///< [s]
+    };
+    DepthCamera& camera_;
+    std::optional<Stamp> last_;
+  };
+
   Cell inner_;
   Recording recording_;
   RecordedArm arm_;
   RecordedGripper gripper_;
   RecordedSensor force_torque_;
+  CheckedCamera camera_;
 };
 
 }  // namespace stonestack::stacking

@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "rooms.hpp"
+#include "stonestack/core/error.hpp"
 
 namespace stonestack::test {
 namespace {
@@ -55,16 +58,23 @@ struct TestGripper : Gripper {
 };
 
 struct TestSensor : ForceTorqueSensor {
+  double wrong = 0.0;  ///< added to a reading [N]
   Wrench read() override {
     Wrench wrench;
-    wrench.force = {3.0, 0.0, -4.0};
+    wrench.force = {3.0 + wrong, 0.0, -4.0};
     return wrench;
   }
   void zero() override {}
 };
 
-struct NoCamera : DepthCamera {
-  DepthFrame capture() override { return {}; }
+struct TestCamera : DepthCamera {
+  DepthFrame frame;
+  TestCamera() {
+    frame.image.z.assign(1000, 0.6F);
+    frame.number = 1;
+    frame.device_time = 1.0;
+  }
+  DepthFrame capture() override { return frame; }
 };
 
 JointTrajectory ramp(double seconds) {
@@ -81,7 +91,7 @@ class RecordedDevicesTest : public ::testing::Test {
   TestArm arm_{clock_};
   TestGripper gripper_{clock_};
   TestSensor sensor_;
-  NoCamera camera_;
+  TestCamera camera_;
   Cell inner_{arm_, gripper_, sensor_, camera_, clock_, {}};
   Timeline timeline_;
   RecordedDevices devices_{inner_, timeline_};
@@ -104,6 +114,50 @@ TEST_F(RecordedDevicesTest, EndsAGuardedMotionWhereItTouched) {
   EXPECT_NEAR(last.time, 100.35, 1e-9);
   EXPECT_NEAR(last.q[0], 0.35, 1e-9);
   EXPECT_DOUBLE_EQ(last.force, 12.0);
+}
+
+TEST_F(RecordedDevicesTest, RefusesJointsThatCannotBe) {
+  Arm& arm = devices_.cell().arm;
+  EXPECT_NO_THROW((void)arm.state());
+  for (const double wrong : {std::nan(""), HUGE_VAL, 1e30, 8.0}) {
+    arm_.q[2] = wrong;
+    EXPECT_THROW((void)arm.state(), DeviceError) << wrong;
+  }
+}
+
+TEST_F(RecordedDevicesTest, RefusesAnArmThatMovedWithoutACommand) {
+  Arm& arm = devices_.cell().arm;
+  EXPECT_EQ(arm.follow(ramp(1.0)).status, MotionResult::Status::kDone);
+  arm_.q[1] += 0.02;  // settled
+  EXPECT_NO_THROW((void)arm.state());
+  arm_.q[1] += 0.5;
+  EXPECT_THROW((void)arm.state(), DeviceError);
+}
+
+TEST_F(RecordedDevicesTest, RefusesForcesThatCannotBe) {
+  ForceTorqueSensor& sensor = devices_.cell().force_torque;
+  EXPECT_NO_THROW((void)sensor.read());
+  for (const double wrong : {std::nan(""), HUGE_VAL, 1e30}) {
+    sensor_.wrong = wrong;
+    EXPECT_THROW((void)sensor.read(), DeviceError) << wrong;
+  }
+}
+
+TEST_F(RecordedDevicesTest, RefusesAFrozenFrame) {
+  DepthCamera& camera = devices_.cell().camera;
+  EXPECT_NO_THROW((void)camera.capture());
+  EXPECT_THROW((void)camera.capture(), DeviceError);
+  ++camera_.frame.number;
+  camera_.frame.device_time += 0.1;
+  EXPECT_NO_THROW((void)camera.capture());
+}
+
+TEST_F(RecordedDevicesTest, RefusesFramesWithoutDepth) {
+  for (const float depth : {0.0F, std::nanf(""), 600.0F}) {
+    ++camera_.frame.number;
+    camera_.frame.image.z.assign(1000, depth);
+    EXPECT_THROW((void)devices_.cell().camera.capture(), DeviceError) << depth;
+  }
 }
 
 TEST_F(RecordedDevicesTest, KnowsFromWhenToWhenAnObjectIsHeld) {

@@ -1,0 +1,67 @@
+#pragma once
+#include <array>
+#include <string>
+#include <vector>
+
+#include "rooms.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
+#include "stonestack/stone/catalogue.hpp"
+
+/// Devices of the simulated cell that do as they are told until one fault strikes, and the verdict on the
+/// run.
+namespace stonestack::bench {
+
+/// Parts of a run at which a fault can strike, in order.
+enum class FaultPhase {
+  kConnect,
+  kStartPose,
+  kFirstLook,
+  kDetect,
+  kPlan,
+  kPreGrasp,
+  kClose,
+  kLift,
+  kTransfer,
+  kPrePlace,
+  kDescent,
+  kRelease,
+  kRetreat,
+  kVerify
+};
+inline constexpr std::array kFaultPhases{"connect",   "start-pose", "first-look", "detect",   "plan",
+                                         "pre-grasp", "close",      "lift",       "transfer", "pre-place",
+                                         "descent",   "release",    "retreat",    "verify"};
+
+/// A fault of one class.
+struct Fault {
+  std::string family;  ///< class: link, state, robot, gripper, force, camera, world or host
+  std::string name;    ///< name within the class
+  bool fatal = false;  ///< true where no run can be expected to go on
+};
+[[nodiscard]] const std::vector<Fault>& known_faults();
+
+/// Stones and robot of every run.
+struct FaultScene {
+  Catalogue catalogue;
+  RobotModel robot;
+  int seed = 1;
+};
+
+/// Verdict on one run.
+struct FaultOutcome {
+  bool reached = false;                 ///< true if the phase came before the run's end
+  bool right = false;                   ///< all stones stand, and the run reports that
+  bool stopped = false;                 ///< the run ended as stopped or interrupted
+  std::array<std::string, 8> broken{};  ///< for each invariant why it is broken; empty: kept
+  std::string end, reason;              ///< end that the run reports
+  double simulated = 0.0;               ///< [s]
+  [[nodiscard]] int count() const {
+    int n = 0;
+    for (const std::string& why : broken) n += why.empty() ? 0 : 1;
+    return n;
+  }
+};
+/// One run with one fault. A fault of the host's interrupt needs the process for itself.
+[[nodiscard]] FaultOutcome run_with_fault(const FaultScene& scene, const Fault& fault, FaultPhase phase);
+
+}  // namespace stonestack::bench

@@ -1,0 +1,22 @@
+#include "bench_command.hpp"
+
+namespace stonestack::bench {
+namespace {
+
+TEST_F(BenchCommand, FaultsThatTellMostBreakNoInvariant) {
+  const Outcome done =
+      run("faults --only 'q not a number,force infinite,arm lost for ever,protective stop' --phase "
+          "start-pose,pre-grasp,close,lift --json");
+  ASSERT_EQ(done.code, 0) << done.err;
+  const json totals = rows_of(done.data(), "totals");
+  ASSERT_EQ(totals.size(), 1U);
+  EXPECT_EQ(totals[0]["cells"], 16);
+  EXPECT_EQ(totals[0]["all_invariants_kept"], 16) << rows_of(done.data(), "broken").dump(1);
+}
+
+TEST_F(BenchCommand, FaultsRefuseAnUnknownName) {
+  expect_refusal("faults --only nonsense", 2, {"no such fault"});
+}
+
+}  // namespace
+}  // namespace stonestack::bench
