@@ -54,10 +54,10 @@ ExecutionResult PlanExecutor::grasp(const PlanStep& step) const {
   try {
     const GripperState held = cell.gripper.move(0.0, speed, step.force > 0 ? step.force : kFingerForce);
     if (!held.object) return give_up(step, "the fingers closed on nothing");
+    set_payload(true);
   } catch (const DeviceError& problem) {  // jammed, or refused: the arm has not moved, so opening is safe
     return give_up(step, problem.what());
   }
-  set_payload(true);  // an arm that does not answer is no failed grasp: it ends the run
   return {};
 }
 
@@ -76,8 +76,10 @@ ExecutionResult PlanExecutor::check_hold(const PlanStep& lift) const {
   if (load.weight < kMinHeldShare * expected) {
     const std::string why =
         concat("slipped out of the gripper: it holds ", load.weight, " N, not ", expected, " N");
-    // A stone that is still held is set down; one that lies below must not be hit from above.
-    return load.weight > kEmptyGripper * expected ? put_back(lift, why) : release(why);
+    // A stone that is still held is set down, also where the wrist alone does not feel it; one that lies below
+    // must not be hit from above.
+    const bool held = load.weight > kEmptyGripper * expected || cell.gripper.state().object;
+    return held ? put_back(lift, why) : release(why);
   }
   if (off > kMaxSwing) return put_back(lift, turned(off));
   ExecutionResult held;

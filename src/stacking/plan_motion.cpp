@@ -30,7 +30,7 @@ struct Planner {
   Arrangement arrangement;
   Reach reach;
   MotionPlan plan;
-  Joints q = w.cell.arm.state().q;
+  Joints q;
 
   [[nodiscard]] PickAndPlaceTask task_for(StoneIndex stone, const Pose& T_W_O) const {
     auto task = make_task(*w.models.catalogue, arrangement, stone, T_W_O, q);
@@ -144,8 +144,10 @@ MotionPlan plan_motion(Workcell& w, const WorldEstimate& world, const Action& ac
   const Stopwatch watch;
   const Arrangement arrangement = at_rest(world);
   PlanningScene scene = make_planning_scene(w.cell.layout, *w.models.robot, *w.models.catalogue, arrangement);
-  Planner planner{
-      w, memory, arrangement, Reach(arrangement, scene, *w.models.catalogue, w.options.motion), {}};
+  // Asked before the rest is made: GCC 12 destroys members of an aggregate twice where a later one throws.
+  const Joints q = w.cell.arm.state().q;
+  Planner planner{w,  memory, arrangement, Reach(arrangement, scene, *w.models.catalogue, w.options.motion),
+                  {}, q};
   planner.plan.scene = std::move(scene);
   planner.plan.no_pick = memory.no_pick;
   std::visit(planner, action);
