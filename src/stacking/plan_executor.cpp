@@ -76,8 +76,8 @@ ExecutionResult PlanExecutor::check_hold(const PlanStep& lift) const {
   if (load.weight < kMinHeldShare * expected) {
     const std::string why =
         concat("slipped out of the gripper: it holds ", load.weight, " N, not ", expected, " N");
-    // A stone that is still held is set down, also where the wrist alone does not feel it; one that lies below
-    // must not be hit from above.
+    // A stone that is still held is set down, also where the wrist alone does not feel it; one that lies
+    // below must not be hit from above.
     const bool held = load.weight > kEmptyGripper * expected || cell.gripper.state().object;
     return held ? put_back(lift, why) : release(why);
   }
