@@ -56,6 +56,7 @@ ExecutionResult PlanExecutor::grasp(const PlanStep& step) const {
     if (!held.object) return give_up(step, "the fingers closed on nothing");
     set_payload(true);
   } catch (const DeviceError& problem) {  // jammed, or refused: the arm has not moved, so opening is safe
+    (void)cell.arm.state();               // an arm that does not answer at all ends the run
     return give_up(step, problem.what());
   }
   return {};

@@ -94,6 +94,30 @@ TEST(Execute, AFingerThatMeetsAStoneGoesBackAndPicksNothing) {
   EXPECT_NEAR(difference(T_R_F, T_back).translation, 0.07, 0.001) << "back to where the approach began";
 }
 
+TEST(Execute, AnArmThatIsLostAtTheGraspIsNoFailedGrasp) {
+  struct LostArm : scripted::ScriptedArm {
+    bool lost = false;
+    void set_payload(double, const Eigen::Vector3d&) override {
+      lost = true;
+      throw DeviceError("arm", "connection lost", "look at the cell");
+    }
+    ArmState state() override {
+      if (lost) throw DeviceError("arm", "connection lost", "look at the cell");
+      return ScriptedArm::state();
+    }
+  };
+  Bench bench;
+  LostArm arm;
+  PlanStep grasp;
+  grasp.kind = Kind::kGrasp;
+  bench.plan.steps = {grasp};
+  bench.gripper.object = true;
+  Cell cell{arm, bench.gripper, bench.force, bench.camera, *bench.clock, bench.layout};
+  EXPECT_THROW((void)execute(bench.plan, bench.stone, bench.scene, cell, {}, nullptr), DeviceError);
+  EXPECT_TRUE(arm.commands.empty()) << "no motion after the loss";
+  EXPECT_THAT(bench.arm.commands, testing::ElementsAre("open")) << "closed once, not opened";
+}
+
 TEST(Execute, FingersAreSpacedBeforeTheGripperOpens) {
   Bench bench;
   PlanStep open;
