@@ -1,19 +1,17 @@
 #include "geometry/sensor_model.hpp"
 
 #include <algorithm>
-#include <filesystem>
 
-#include "core/yaml.hpp"
+#include "core/field_file.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/core/file.hpp"
 #include "stonestack/core/options.hpp"
 
 namespace stonestack::geometry {
 namespace {
 
-namespace fs = std::filesystem;
 constexpr const char* kSensorSchema = "stonestack.sensor/1";
 constexpr const char* kSensorRemedy = "see docs/formats.md, Sensors, and data/sensors/d435.yaml";
+constexpr const char* kSensorFolder = "sensors";
 constexpr const char* kIdeal = "ideal";
 
 FieldList sensor_fields(SensorModel& s, std::string& schema) {
@@ -56,40 +54,14 @@ FieldList sensor_fields(SensorModel& s, std::string& schema) {
   throw FileError(path, problem, kSensorRemedy);
 }
 
-std::string sensor_path(const std::string& name) {
-  const auto extension = fs::path(name).extension();
-  if (name.find('/') != std::string::npos || extension == ".yaml" || extension == ".yml") return name;
-  const auto known = sensor_names();
-  if (std::find(known.begin(), known.end(), name) == known.end()) {
-    std::string list;
-    for (const std::string& one : known) list += (list.empty() ? "" : ", ") + one;
-    throw FileError("sensor '" + name + "'", "is not known", concat("use ", list, " or the path of a YAML"));
-  }
-  return data_path("sensors/" + name + ".yaml");
-}
-
 }  // namespace
 
 SensorModel read_sensor(const std::string& name_or_path) {
   SensorModel sensor;
   if (name_or_path == kIdeal) return sensor;
-  const std::string path = sensor_path(name_or_path);
+  const std::string path = core::data_file("sensor", kSensorFolder, name_or_path);
   std::string schema;
-  const FieldList list = sensor_fields(sensor, schema);
-  std::vector<std::string> given;
-  try {
-    core::yaml::for_each_scalar(core::yaml::read_file(path),
-                                [&](const std::string& name, const std::string& value) {
-                                  set_field(list, name + "=" + value);
-                                  given.push_back(name);
-                                });
-  } catch (const InvalidArgument& problem) {
-    refuse_sensor(path, problem.what());
-  }
-  for (const Field& f : list)
-    if (std::find(given.begin(), given.end(), f.name) == given.end())
-      refuse_sensor(path, concat(f.name, " is missing", f.unit.empty() ? "" : " [" + f.unit + "]", ": ",
-                                 f.description));
+  core::read_fields(path, sensor_fields(sensor, schema), kSensorRemedy);
   if (schema != kSensorSchema) refuse_sensor(path, concat("schema is '", schema, "', not ", kSensorSchema));
   if (sensor.nearest >= sensor.farthest)
     refuse_sensor(path, concat("range.nearest ", sensor.nearest, " m is not below range.farthest ",
@@ -103,14 +75,8 @@ SensorModel read_sensor(const std::string& name_or_path) {
 }
 
 std::vector<std::string> sensor_names() {
-  std::vector<std::string> names{kIdeal};
-  try {
-    std::error_code ignored;
-    for (const auto& entry : fs::directory_iterator(data_path("sensors"), ignored))
-      if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
-  } catch (const FileError&) {  // no data: ideal alone
-  }
-  std::sort(names.begin(), names.end());
+  std::vector<std::string> names = core::data_names(kSensorFolder);
+  names.insert(std::lower_bound(names.begin(), names.end(), kIdeal), kIdeal);
   return names;
 }
 

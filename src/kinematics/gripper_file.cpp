@@ -2,16 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
+#include "core/field_file.hpp"
 #include "core/yaml.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/core/file.hpp"
 
 namespace stonestack::kinematics {
 namespace {
 
-namespace fs = std::filesystem;
+constexpr const char* kGripperFolder = "grippers";
 constexpr const char* kGripperSchema = "stonestack.gripper/1";
 constexpr const char* kGripperRemedy = "see docs/formats.md, Grippers, and data/grippers/robotiq-2f-85.yaml";
 constexpr double kGripperFurthest = 0.6;  // m: no part of a gripper on these arms is further from its tips
@@ -151,44 +150,17 @@ void check_gripper(const GripperFile& h) {
   need(sides == 3 && palm > 0, "boxes need fingers on both sides (finger_side 1 and -1) and a palm");
 }
 
-fs::path gripper_path(const std::string& name) {
-  if (is_gripper_path(name)) return name;
-  try {
-    return data_path("grippers/" + name + ".yaml");
-  } catch (const FileError&) {
-    std::string known;
-    for (const auto& file : gripper_file_names()) known += (known.empty() ? "" : ", ") + file;
-    throw FileError("gripper '" + name + "'", "is not known",
-                    known.empty() ? "set STONESTACK_DATA to the folder that holds grippers/"
-                                  : "use " + known + " or the path of a YAML");
-  }
-}
-
 }  // namespace
 
 bool is_gripper_path(const std::string& text) {
-  const auto extension = fs::path(text).extension();
-  return text.find('/') != std::string::npos || extension == ".yaml" || extension == ".yml";
+  return core::is_yaml_path(text);
 }
 
 GripperFile read_gripper_file(const std::string& name_or_path) {
   GripperFile file;
   GripperFileText text;
-  file.path = gripper_path(name_or_path).string();
-  const FieldList list = gripper_file_fields(file, text);
-  std::vector<std::string> given;
-  try {
-    yaml::for_each_scalar(yaml::read_file(file.path), [&](const std::string& name, const std::string& value) {
-      set_field(list, name + "=" + value);
-      given.push_back(name);
-    });
-  } catch (const InvalidArgument& problem) {
-    refuse_gripper(file.path, problem.what());
-  }
-  for (const Field& f : list)
-    if (f.name != "tips" && std::find(given.begin(), given.end(), f.name) == given.end())
-      refuse_gripper(file.path, concat(f.name, " is missing", f.unit.empty() ? "" : " [" + f.unit + "]", ": ",
-                                       f.description));
+  file.path = core::data_file("gripper", kGripperFolder, name_or_path);
+  core::read_fields(file.path, gripper_file_fields(file, text), kGripperRemedy, {"tips"});
   if (text.schema != kGripperSchema)
     refuse_gripper(file.path, concat("schema is '", text.schema, "', not ", kGripperSchema));
   if (file.name.empty()) refuse_gripper(file.path, "name is empty");
@@ -199,16 +171,7 @@ GripperFile read_gripper_file(const std::string& name_or_path) {
 }
 
 std::vector<std::string> gripper_file_names() {
-  std::vector<std::string> names;
-  try {
-    std::error_code ignored;
-    for (const auto& entry : fs::directory_iterator(data_path("grippers"), ignored))
-      if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
-  } catch (const FileError&) {
-    return {};
-  }
-  std::sort(names.begin(), names.end());
-  return names;
+  return core::data_names(kGripperFolder);
 }
 
 }  // namespace stonestack::kinematics
