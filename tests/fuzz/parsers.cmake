@@ -11,7 +11,7 @@ macro(stonestack_files list room)
 endmacro()
 
 # What reads foreign bytes: instrumented.
-stonestack_files(parsers core file options yaml)
+stonestack_files(parsers core field_file file options yaml)
 stonestack_files(parsers geometry bop_folder cloud_file depth_image depth_png depth_sequence lzf mesh_file mesh_import obj obstacle pair_padding pcd
   ply ply_header pose_yaml stl)
 stonestack_files(parsers stone scene_file scene_text stone_yaml)
