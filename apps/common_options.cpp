@@ -27,6 +27,16 @@ void add_structure(CLI::App& command, std::string& wall, Settings* settings) {
   settings->bind(of_bridge, "run.wall");
 }
 
+void add_objective(CLI::App& command, std::string& objective, Settings& settings) {
+  settings.bind(command
+                    .add_option("--objective", objective,
+                                "Of the highest towers: height, the one likeliest to stand; firm, the one "
+                                "likeliest to outlast a shake of the table")
+                    ->check(CLI::IsMember({"height", "firm"}))
+                    ->capture_default_str(),
+                "search.objective");
+}
+
 CLI::Option* add_path(CLI::App& command, const std::string& name, std::string& value,
                       const std::string& description, const std::string& type) {
   return command.add_option(name, value, description)->type_name(type);

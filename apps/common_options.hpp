@@ -79,6 +79,8 @@ Subcommand<Values> add_subcommand(CLI::App& app, const std::string& name, const 
 /// Adds --wall and --bridge, which name what is built instead of a tower.
 /// @param settings binds them to the option `run.wall`; may be null
 void add_structure(CLI::App& command, std::string& wall, Settings* settings);
+/// Adds --objective of the pose search.
+void add_objective(CLI::App& command, std::string& objective, Settings& settings);
 /// Adds an option that takes a path, or whatever else `type` names in the help.
 CLI::Option* add_path(CLI::App& command, const std::string& name, std::string& value,
                       const std::string& description, const std::string& type = "FILE");

@@ -109,6 +109,7 @@ Subcommand<ExperimentCommand> register_experiment(CLI::App& app, const RecordExp
       ->check(CLI::IsMember({"cell", "design"}));
   sub.add_option("--variant", command.variants,
                  "Another row: 'NAME: OPTION=VALUE, OPTION=VALUE' (repeatable)");
+  add_objective(sub, order.run.build.search.objective, command.common.settings);
   command.common.settings.bind(sub.add_flag("--unseen", order.run.build.unseen,
                                             "No catalogue is known: each run models its stones first"),
                                "run.unseen");

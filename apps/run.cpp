@@ -153,6 +153,7 @@ void add_run(CLI::App& app) {
           ->check(CLI::IsMember({"default", "paper"}))
           ->capture_default_str(),
       "search.method");
+  add_objective(sub, build.search.objective, command.common.settings);
   add_structure(sub, build.wall, &command.common.settings);
   command.common.settings.bind(
       flag("--unseen", build.unseen,

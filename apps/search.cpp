@@ -133,6 +133,7 @@ void add_search(CLI::App& app) {
                     ->check(CLI::IsMember({"default", "paper"}))
                     ->capture_default_str(),
                 "search.method");
+  add_objective(sub, task.search.objective, settings);
   settings.bind(sub.add_option("--friction", task.search.friction, "Assumed friction, stone on stone")
                     ->check(CLI::Range(1e-3, 2.0))
                     ->capture_default_str(),

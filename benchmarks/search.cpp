@@ -41,6 +41,7 @@ SearchOutcome witness(const SearchBenchOptions& options, const StonePool& pool, 
   EquilibriumOptions statics;
   statics.friction = options.search.friction;
   outcome.margin = stack_equilibrium(pool.fine, tower, statics).margin;
+  outcome.shaken = standing_when_shaken(pool.fine, tower, stand);
   OdeOptions in_ode = options.judges.in_ode;
   in_ode.friction = options.search.friction;
   if (options.judges.ode) outcome.ode = stand_in_ode(pool.fine, tower, in_ode);
@@ -183,6 +184,7 @@ std::vector<Figure> settings_of(const SearchBenchOptions& options) {
                                {"friction", s.friction},
                                {"noise_mm", options.noise},
                                {"noise_deg", options.noise_turn},
+                               {"objective", s.objective},
                                {"beam", s.beam},
                                {"rounds", s.rounds},
                                {"horizon", s.horizon},
@@ -249,6 +251,10 @@ void add_search(CLI::App& app) {
       ->check(CLI::Range(0.0, 30.0))
       ->capture_default_str();
   options->pools.register_on(*sub);
+  sub->add_option("--objective", options->search.objective,
+                  "height: the tower likeliest to stand; firm: the one likeliest to outlast a shake")
+      ->check(CLI::IsMember({"height", "firm"}))
+      ->capture_default_str();
   sub->add_option("--paper", options->paper, "Beside it the paper's search at the same processor time")
       ->capture_default_str();
   options->judges.register_on(*sub);

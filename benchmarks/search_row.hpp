@@ -15,6 +15,7 @@ struct SearchOutcome {
   int clean = 0;                 // stones that stay, each upon the one below it only
   double cpu = 0.0, wall = 0.0;  // s
   double margin = 0.0;           // g, of the planned tower
+  int shaken = 0;                // stones that stand after a shake
   double once = 0.0;             // s of wall clock, of paper mode's first pass
   int once_planned = 0;          // stones in it
   OdeVerdict ode;

@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "experiment/tower_chain.hpp"
+#include "physics/shake.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::experiment {
 namespace {
 
-constexpr double kRest = 0.5;           // s after a shake
 constexpr double kClaimedShift = 0.03;  // m from where the program says that a stone of a wall is
 constexpr double kClaimedTurn = 0.35;   // rad likewise
 constexpr double kShakenShift = 0.010;  // m that a stone of a wall may move by a shake
@@ -26,18 +25,6 @@ void run_at_rest(RigidWorld& judge, double step, double seconds) {
     throw_if_interrupted();
     pass(judge, step, std::min(kCheckPeriod, seconds - t));
   }
-}
-
-// In the frame of a shaken table the shaking is a gravity that swings.
-void shake(RigidWorld& judge, double step, const SurvivalOptions& options, const Eigen::Vector3d& direction) {
-  const Eigen::Vector3d g(0, 0, -WorldOptions{}.gravity);
-  for (double t = 0; t < options.shake_seconds; t += step) {
-    const double swing = std::sin(2 * std::numbers::pi * options.shake_frequency * t);
-    judge.set_gravity(g - options.shake_acceleration * swing * direction);
-    judge.step(step);
-  }
-  judge.set_gravity(g);
-  pass(judge, step, kRest);
 }
 
 // Stones of the chain, from the table up, that lie where they lay.
@@ -170,7 +157,7 @@ Survival try_tower(const SimulatedCell& cell, const SurvivalOptions& options, co
   survival.shaken = static_cast<int>(chain.size());
   for (const Eigen::Index axis : {0, 1}) {
     const auto shaken = world.judge_world(bounds.step, bounds.iterations);
-    shake(*shaken, bounds.step, options, Eigen::Vector3d::Unit(axis));
+    shake_world(*shaken, options.shake, Eigen::Vector3d::Unit(axis), bounds.step);
     const auto after = judged_poses(world, *shaken);
     if (!wall.empty()) {
       survival.shaken =

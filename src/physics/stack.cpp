@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "physics/shake.hpp"
 #include "physics/touch.hpp"
 #include "physics/world.hpp"
 #include "stonestack/core/error.hpp"
@@ -45,6 +46,20 @@ World world_of(const ShapeList& shapes, const Stack& stack, const WorldOptions& 
     static_cast<void>(shape_of(shapes, placed));
     world.add_stone(at(shapes, placed.stone), placed.T_W_O);
   }
+  return world;
+}
+
+/// A world as a verdict wants it, with the errors of centres of mass.
+World judged_world(const ShapeList& shapes, const Stack& stack, const StandOptions& options) {
+  WorldOptions settings;
+  settings.friction = options.friction;
+  settings.iterations = options.iterations;
+  settings.step = options.step;
+  World world = world_of(shapes, stack, settings);
+  require(options.com_error_O.empty() || options.com_error_O.size() == stack.stones.size(), "errors of ",
+          options.com_error_O.size(), " centres of mass for a stack of ", stack.stones.size());
+  for (std::size_t i = 0; i < options.com_error_O.size(); ++i)
+    world.set_weight_offset(static_cast<int>(i), options.com_error_O[i]);
   return world;
 }
 
@@ -122,17 +137,8 @@ double motion(const ShapeList& shapes, const Stack& stack, const World& world, s
 }  // namespace
 
 StandVerdict judge_stack(const ShapeList& shapes, const Stack& stack, const StandOptions& options) {
-  WorldOptions settings;
-  settings.friction = options.friction;
-  settings.iterations = options.iterations;
-  settings.step = options.step;
-  World world = world_of(shapes, stack, settings);
+  World world = judged_world(shapes, stack, options);
   const auto n = static_cast<int>(stack.stones.size());
-  require(options.com_error_O.empty() || options.com_error_O.size() == stack.stones.size(), "errors of ",
-          options.com_error_O.size(), " centres of mass for a stack of ", n);
-  for (std::size_t i = 0; i < options.com_error_O.size(); ++i)
-    world.set_weight_offset(static_cast<int>(i), options.com_error_O[i]);
-
   StandVerdict verdict;
   int clean_levels = n;
   std::string fell, touches = unclean(shapes, stack, options.touch_gap, &clean_levels);
@@ -171,6 +177,20 @@ StandVerdict judge_stack(const ShapeList& shapes, const Stack& stack, const Stan
   for (int i = 0; i < n; ++i) verdict.T_W_O.push_back(world.pose(i));
   verdict.reason = fell + (fell.empty() || touches.empty() ? "" : "; ") + touches;
   return verdict;
+}
+
+int standing_when_shaken(const ShapeList& shapes, const Stack& stack, const StandOptions& options,
+                         const Shake& shake) {
+  auto standing = static_cast<int>(stack.stones.size());
+  for (const Eigen::Index axis : {0, 1}) {
+    throw_if_interrupted();
+    World world = judged_world(shapes, stack, options);
+    shake_world(world, shake, Eigen::Vector3d::Unit(axis), options.step);
+    int clean = 0;
+    static_cast<void>(unclean(shapes, moved(stack, world), options.touch_gap, &clean));
+    standing = std::min(standing, clean);
+  }
+  return standing;
 }
 
 std::vector<Contact> geometric_contacts(const ShapeList& shapes, const Stack& stack, double gap) {

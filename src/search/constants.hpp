@@ -36,4 +36,12 @@ inline constexpr double kFirmMargin = 0.04;
 /// Rounds of the search after the first finished tower that is not firm. Measured: bench search --ode.
 inline constexpr int kFirmRounds = 2;
 
+// Objective "firm"
+/// Margin of a tower that outlasts the shake, g: its acceleration of 2 m/s^2.
+inline constexpr double kShakeMargin = 0.2;
+/// Share of the displaced worlds in which a tower outlasts the shake that ends the search. Design choice.
+inline constexpr double kFirmShare = 0.8;
+/// Rounds of the search after the first finished tower. Measured: bench search --objective firm.
+inline constexpr int kShakeRounds = 6;
+
 }  // namespace stonestack::search

@@ -25,10 +25,10 @@ std::vector<Placement> proposed(TowerSearch& search) {
 }
 
 /// First placements, those that lead highest and likeliest first.
-std::vector<int> ranked_firsts(const TowerTree& tree, int levels, double friction) {
+std::vector<int> ranked_firsts(const TowerTree& tree, double friction) {
   std::vector<std::pair<std::pair<int, double>, int>> list;
   for (const int k : tree.children(0))
-    if (tree.node(k).trial.alive) list.push_back({{tree.reach(k), tree.chance(k, levels, friction)}, k});
+    if (tree.node(k).trial.alive) list.push_back({{tree.reach(k), tree.chance(k, friction)}, k});
   std::stable_sort(list.begin(), list.end(), [](const auto& p, const auto& q) { return p.first > q.first; });
   std::vector<int> order;
   for (const auto& entry : list) order.push_back(entry.second);
@@ -36,10 +36,10 @@ std::vector<int> ranked_firsts(const TowerTree& tree, int levels, double frictio
 }
 
 /// Not all first placements were judged and predicted while the towers grew: the best `wanted` are now.
-void know_firsts(const SearchContext& context, TowerSearch& search, int levels, std::size_t wanted) {
+void know_firsts(const SearchContext& context, TowerSearch& search, std::size_t wanted) {
   const TowerTree& tree = search.tree();
   while (!context.out_of_time() && !interrupt_noted()) {
-    std::vector<int> firsts = ranked_firsts(tree, levels, context.options->friction);
+    std::vector<int> firsts = ranked_firsts(tree, context.options->friction);
     firsts.resize(std::min(firsts.size(), wanted));
     if (std::all_of(firsts.begin(), firsts.end(), [&](int k) { return tree.node(k).predicted; })) return;
     search.judge(firsts);
@@ -47,10 +47,10 @@ void know_firsts(const SearchContext& context, TowerSearch& search, int levels, 
 }
 
 /// Predicts the best first placement and the route above it with more draws, until it stays the best.
-void know_best(const SearchContext& context, TowerSearch& search, int levels) {
+void know_best(const SearchContext& context, TowerSearch& search) {
   const TowerTree& tree = search.tree();
   for (int last_best = -1; !context.out_of_time() && !interrupt_noted();) {
-    const std::vector<int> firsts = ranked_firsts(tree, levels, context.options->friction);
+    const std::vector<int> firsts = ranked_firsts(tree, context.options->friction);
     if (firsts.empty() || !tree.node(firsts.front()).predicted) return;
     const int best = firsts.front();
     const std::vector<int> path = tree.best_path_from(best);
@@ -61,18 +61,18 @@ void know_best(const SearchContext& context, TowerSearch& search, int levels) {
 }
 
 /// The best first placements with what is planned on them, best first.
-std::vector<Placement> collected(const SearchContext& context, TowerSearch& search, int levels) {
+std::vector<Placement> collected(const SearchContext& context, TowerSearch& search) {
   const auto wanted = static_cast<std::size_t>(context.options->alternatives);
   const double friction = context.options->friction;
-  know_firsts(context, search, levels, wanted);
-  know_best(context, search, levels);
+  know_firsts(context, search, wanted);
+  know_best(context, search);
   std::vector<Placement> list;
-  for (const int k : ranked_firsts(search.tree(), levels, friction)) {
+  for (const int k : ranked_firsts(search.tree(), friction)) {
     const TowerNode& node = search.tree().node(k);
     if (!node.predicted || list.size() == wanted) continue;
     Placement placement = node.trial.placement;
     placement.terms["plan_levels"] = search.tree().reach(k);
-    placement.terms["plan_chance"] = search.tree().chance(k, levels, friction);
+    placement.terms["plan_chance"] = search.tree().chance(k, friction);
     placement.expected_height = search.tree().expected_height(k);
     for (const int above : search.tree().best_path_from(k)) {
       const TowerNode& next = search.tree().node(above);
@@ -137,7 +137,7 @@ SearchResult follow_plan(const SearchContext& context, std::span<const PlacedSto
     result.reason = followed.reason;
     result.unreachable = search.unreachable();
     if (followed.whole) {
-      result.best = collected(context, search, levels);
+      result.best = collected(context, search);
       // The closer prediction may have dropped a later stone.
       if (!result.best.empty() && result.best.front().then.size() + 1 < plan.size()) result.best.clear();
       if (!result.best.empty()) result.reason.clear();
@@ -170,7 +170,7 @@ SearchResult default_search(const SearchContext& context) {
         } catch (const Interrupted&) {
           context.log("interrupted; keeping what was found");
         }
-        return collected(context, search, levels);
+        return collected(context, search);
       };
       result.best =
           look_for(problem.known_route_only ? TowerSearch::Routes::kFoundBefore : TowerSearch::Routes::kAll);

@@ -16,6 +16,8 @@ struct SearchContext {
   std::function<void(const std::string&)> report;
 
   [[nodiscard]] const ShapeList& shapes() const { return *problem->shapes; }
+  /// Finished towers are shaken.
+  [[nodiscard]] bool firm() const { return options->objective == "firm"; }
   [[nodiscard]] bool out_of_time() const {
     return time_is_over() || (options->budget > 0.0 && watch.seconds() >= options->budget);
   }

@@ -8,6 +8,9 @@ FieldList fields(SearchOptions& o) {
       user(field("method", o.method, "default, or paper: section 3 of the paper as written")),
       user(field("friction", o.friction, {1e-3, 2.0}, "",
                  "coefficient between stones that the planner assumes (paper §4.1)")),
+      field("objective", o.objective,
+            "height: of the highest towers the one likeliest to stand; firm: the one likeliest to outlast a "
+            "shake of the table"),
       field("w1", o.w1, {0.0, 1e3}, "", "weight of the support polygon's area in eq. (2)"),
       field("w2", o.w2, {0.0, 1e3}, "", "weight of the kinetic energy in eq. (2)"),
       field("w3", o.w3, {0.0, 1e3}, "", "weight of the distance between centres of mass in eq. (2)"),

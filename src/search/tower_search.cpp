@@ -12,13 +12,14 @@ namespace {
 constexpr double kFlatSide = 0.2;  ///< rise over run: the look-ahead tests only sides that are nearly level
 constexpr int kCloser = 4;         ///< times the perturbations, where the first of them disagree
 constexpr double kCrowding = 0.1;  ///< of the friction: TowerTree::choose
+constexpr double kWeightOfMargin = 3.0;  ///< beside the look-ahead, where towers are to be firm
 
 }  // namespace
 
 TowerSearch::TowerSearch(const SearchContext& context, int levels)
     : context_(context),
       levels_(std::min(levels, static_cast<int>(context.available.size()))),
-      tree_(context.stack, context.available) {}
+      tree_(context.stack, context.available, levels_, context.firm()) {}
 
 void TowerSearch::survey() {
   if (look_ahead_) return;
@@ -34,8 +35,9 @@ void TowerSearch::run(Routes routes) {
   const int root[] = {0};
   tree_.set_grown(0);
   grow(root);
-  int more = kFirmRounds;
-  for (int k = 0; k < o.rounds && !context_.out_of_time(); ++k) {
+  int more = context_.firm() ? kShakeRounds : kFirmRounds;
+  const int rounds = o.rounds + (context_.firm() ? kShakeRounds : 0);
+  for (int k = 0; k < rounds && !context_.out_of_time(); ++k) {
     const std::size_t before = static_cast<std::size_t>(tree_.size()) + dropped_.size();
     round(static_cast<std::size_t>(o.beam));
     context_.log(concat("round ", k + 1, ": ", tree_.size() - 1, " towers grown, the highest of ",
@@ -47,8 +49,9 @@ void TowerSearch::run(Routes routes) {
       exhausted = false;
     }
     const bool finished = tree_.node(best_).level == levels_;
-    const bool firm = finished && (tree_.node(best_).trial.margin >= kFirmMargin || more == 0);
-    if (firm || exhausted) break;
+    const bool firm =
+        context_.firm() ? tree_.firmness(best_) >= kFirmShare : tree_.node(best_).trial.margin >= kFirmMargin;
+    if ((finished && (firm || more == 0)) || exhausted) break;
     if (finished) --more;
   }
 }
@@ -152,7 +155,7 @@ void TowerSearch::predict(std::span<const int> nodes, bool closely) {
     const bool sure = node.predicted && node.trial.placement.predicted_success >= 1.0;
     if (!node.judged || !node.trial.alive || (closely ? sure : node.predicted)) continue;
     tried.push_back(k);
-    candidates.push_back({&tree_.node(node.parent).stack, &node.trial});
+    candidates.push_back({&tree_.node(node.parent).stack, &node.trial, context_.firm() && tree_.finished(k)});
   }
   std::vector<Trial> trials =
       predicted_trials(context_, candidates, (closely ? kCloser : 1) * o.perturbations);
@@ -189,8 +192,7 @@ int TowerSearch::highest() const {
   const auto worth = [&](int k) {
     double chance = 1.0;
     for (const int at : tree_.path_to(k)) chance *= tree_.success(at);
-    const double reserve = std::min(tree_.node(k).trial.margin / context_.options->friction, 1.0);
-    return std::pair(tree_.node(k).level, chance * (0.5 + 0.5 * reserve));
+    return std::pair(tree_.node(k).level, chance * tree_.reserve(k, context_.options->friction));
   };
   int best = 0;
   for (int k = 1; k < tree_.size(); ++k)
@@ -204,6 +206,11 @@ void TowerSearch::find_best() {
   do {
     best_ = highest();
   } while (predict_path(best_) && (tree_.node(best_).level == levels_ || !tree_.node(best_).trial.alive));
+}
+
+double TowerSearch::promise(const Trial& trial) const {
+  const double margin = std::min(trial.margin, context_.options->friction);
+  return (context_.firm() ? kWeightOfMargin * margin : margin) + trial.look_ahead;
 }
 
 void TowerSearch::grow(std::span<const int> nodes) {
@@ -237,7 +244,7 @@ void TowerSearch::grow(std::span<const int> nodes) {
     candidates_ += counts[k];
     Trial& trial = made[k].trial;
     if (trial.alive)  // beyond the friction it is no longer the reserve that decides
-      tree_.add(made[k].node, trial, std::min(trial.margin, o.friction) + trial.look_ahead);
+      tree_.add(made[k].node, trial, promise(trial));
     else
       dropped_.push_back({tree_.node(made[k].node).level + 1, std::move(trial)});
   }

@@ -64,6 +64,8 @@ class TowerSearch {
   /// Surveys what the loose stones offer: made once, when something is searched at all.
   void survey();
   void grow(std::span<const int> nodes);
+  /// Reserve and prospects of a trial [g], by which towers are chosen to be grown.
+  [[nodiscard]] double promise(const Trial& trial) const;
   /// Proposals for the next stone on a node's tower, best first, not asked of the arm.
   [[nodiscard]] std::vector<Proposal> proposals(int node);
   /// Trials that a tower gets next.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "search/constants.hpp"
+
 namespace stonestack::search {
 namespace {
 
@@ -19,6 +21,9 @@ constexpr double kUntried = 0.9;
 /// Reserve [g and stones] beyond which more is not worth a stone that may fall.
 constexpr double kReserve = 0.1;
 
+/// The same where towers are to be firm [stones].
+constexpr double kWorthOfFirm = 0.9;
+
 /// Lowest new stone and top stone: they identify a tower.
 struct Ends {
   int first = 0;  ///< node
@@ -28,7 +33,8 @@ struct Ends {
 
 }  // namespace
 
-TowerTree::TowerTree(const Stack& stack, std::vector<PlacedStone> available) {
+TowerTree::TowerTree(const Stack& stack, std::vector<PlacedStone> available, int levels, bool firm)
+    : levels_(levels), firm_(firm) {
   TowerNode root;
   root.stack = stack;
   root.left = std::move(available);
@@ -116,21 +122,29 @@ std::vector<int> TowerTree::path_to(int k) const {
   return path;
 }
 
-double TowerTree::chance(int k, int levels, double friction) const {
+double TowerTree::firmness(int k) const {
+  const Trial& trial = node(k).trial;
+  if (node(k).predicted && finished(k))
+    return trial.tried > 0 ? static_cast<double>(trial.shaken) / trial.tried : 0.0;
+  return std::clamp(trial.margin / kShakeMargin, 0.0, 1.0);
+}
+
+double TowerTree::reserve(int k, double friction) const {
+  if (firm_ && finished(k)) return 0.1 + 0.9 * firmness(k);
+  return 0.5 + 0.5 * std::clamp(node(k).trial.margin / friction, 0.0, 1.0);
+}
+
+double TowerTree::chance(int k, double friction) const {
   const TowerNode& at = node(k);
   if (!at.trial.alive) return 0.0;
-  double own = 1.0;
-  if (k > 0) {
-    own = 0.5 + 0.5 * std::clamp(at.trial.margin / friction, 0.0, 1.0);
-    own *= success(k);
-  }
-  if (at.level >= levels) return own;
+  const double own = k > 0 ? reserve(k, friction) * success(k) : 1.0;
+  if (finished(k)) return own;
   if (at.grown == 0) {
     const double prospects = std::clamp((at.trial.look_ahead / friction + 0.5) / 1.5, 0.02, 1.0);
-    return own * std::pow(0.5 * prospects, levels - at.level);
+    return own * std::pow(0.5 * prospects, levels_ - at.level);
   }
   double none = 1.0;
-  for (const int c : children(k)) none *= 1.0 - kPlanHolds * chance(c, levels, friction);
+  for (const int c : children(k)) none *= 1.0 - kPlanHolds * chance(c, friction);
   return own * (1.0 - none);
 }
 
@@ -150,7 +164,9 @@ std::vector<int> TowerTree::best_path_from(int k) const {
     std::vector<int> path = best_path_from(c);
     path.insert(path.begin(), c);
     // Among routes of the same height the reserve of the finished tower decides.
-    const double value = expected_height(c) + std::min(node(path.back()).trial.margin, kReserve);
+    const int top = path.back();
+    const double value = expected_height(c) +
+                         (firm_ ? kWorthOfFirm * firmness(top) : std::min(node(top).trial.margin, kReserve));
     if (value > max) {
       max = value;
       best = std::move(path);

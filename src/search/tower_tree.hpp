@@ -21,7 +21,9 @@ struct TowerNode {
 /// Towers grown stone by stone. Keeps every node, so that a search may come back to what it left aside.
 class TowerTree {
  public:
-  TowerTree(const Stack& stack, std::vector<PlacedStone> available);
+  /// @param levels stones of a finished tower
+  /// @param firm finished towers are to outlast a shake
+  TowerTree(const Stack& stack, std::vector<PlacedStone> available, int levels, bool firm);
 
   [[nodiscard]] TowerNode& node(int k) { return nodes_[static_cast<std::size_t>(k)]; }
   [[nodiscard]] const TowerNode& node(int k) const { return nodes_[static_cast<std::size_t>(k)]; }
@@ -42,11 +44,19 @@ class TowerTree {
   [[nodiscard]] std::vector<int> subtree(int k) const;
   /// Predicted success of a node's last stone, or what is usual where it was not tried in displaced worlds.
   [[nodiscard]] double success(int k) const;
+  /// Factor for the reserve of a node's tower, 0.5 to 1 by its margin against the friction; of a finished
+  /// tower that is to be firm 0.1 to 1 by how often it outlasts a shake.
+  [[nodiscard]] double reserve(int k, double friction) const;
+  /// True for a tower of all levels.
+  [[nodiscard]] bool finished(int k) const { return node(k).level >= levels_; }
+  /// Share of the displaced worlds in which a tower outlasts a shake; estimated from its margin where it was
+  /// not shaken.
+  [[nodiscard]] double firmness(int k) const;
   /// From the first stone put to this node's.
   [[nodiscard]] std::vector<int> path_to(int k) const;
   /// Chance that a node's tower can be finished at `levels`, estimated from the tree: its own success times
   /// the chance that one of its children can. `friction` is what a reserve is measured against.
-  [[nodiscard]] double chance(int k, int levels, double friction) const;
+  [[nodiscard]] double chance(int k, double friction) const;
   /// The most stones that are expected to stand on the given stack by one route through a node: each counts
   /// as likely as all below it and itself are to succeed. What was not judged counts nothing.
   [[nodiscard]] double expected_height(int k) const;
@@ -57,6 +67,8 @@ class TowerTree {
 
  private:
   std::vector<TowerNode> nodes_;
+  int levels_;
+  bool firm_;
 };
 
 }  // namespace stonestack::search

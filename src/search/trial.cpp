@@ -19,7 +19,7 @@ constexpr double kNearlyStill =
 constexpr int kFewer = 50;  ///< iterations, in displaced worlds
 
 /// How a placement fares where it is displaced and centres of mass are not where they seem.
-enum class Fate { kStands, kFalls, kUndecidable };
+enum class Fate { kOutlasts, kStands, kFalls, kUndecidable };
 
 Stack with(const Stack& stack, StoneIndex stone, const Pose& T_W_O) {
   Stack higher = stack;
@@ -94,8 +94,8 @@ Eigen::Vector3d com_error(const SearchContext& context, StoneIndex stone, int k)
   return error_O;
 }
 
-/// Does a stack stand in the k-th of the worlds?
-bool stands(const SearchContext& context, const Stack& stack, int k) {
+/// How a stack is judged in the k-th of the worlds.
+StandOptions displaced_verdict(const SearchContext& context, const Stack& stack, int k) {
   StandOptions stand;
   stand.friction = context.options->friction;
   stand.seconds = context.options->perturbed_seconds;
@@ -105,17 +105,29 @@ bool stands(const SearchContext& context, const Stack& stack, int k) {
   stand.fall = 0.0;
   for (const PlacedStone& placed : stack.stones)
     stand.com_error_O.push_back(com_error(context, placed.stone, k));
-  const StandVerdict verdict = judge_stack(context.shapes(), stack, stand);
+  return stand;
+}
+
+/// Does a stack stand in the k-th of the worlds?
+bool stands(const SearchContext& context, const Stack& stack, int k) {
+  const StandVerdict verdict = judge_stack(context.shapes(), stack, displaced_verdict(context, stack, k));
   return verdict.stands && (verdict.clean || !context.tower);
 }
 
 /// A world in which the stack falls without the new stone carries no information about this placement: the
 /// stack stands already, or whether it will was counted against the stone before.
-Fate try_world(const SearchContext& context, const Stack& below, const Trial& trial, int k) {
+Fate try_world(const SearchContext& context, const Candidate& candidate, int k) {
+  const Stack& below = *candidate.below;
+  const Trial& trial = *candidate.trial;
   const SettleResult at_rest =
       lowered(context, below, trial.stone, displaced(context, trial.stone, trial.placement.T_W_O, k),
               com_error(context, trial.stone, k));
-  if (at_rest.rests && stands(context, with(below, trial.stone, at_rest.T_W_O), k)) return Fate::kStands;
+  const Stack higher = with(below, trial.stone, at_rest.T_W_O);
+  if (at_rest.rests && stands(context, higher, k)) {
+    if (!candidate.shake) return Fate::kStands;
+    const int left = standing_when_shaken(context.shapes(), higher, displaced_verdict(context, higher, k));
+    return left == static_cast<int>(higher.stones.size()) ? Fate::kOutlasts : Fate::kStands;
+  }
   const bool com_may_err = context.options->com_sigma > 0.0 && !below.stones.empty();
   return com_may_err && !stands(context, below, k) ? Fate::kUndecidable : Fate::kFalls;
 }
@@ -175,21 +187,25 @@ std::vector<Trial> predicted_trials(const SearchContext& context, std::span<cons
   std::vector<Fate> outcomes(tasks.size());
   run_tasks(context.options->threads, tasks.size(), [&](std::size_t t) {
     const Candidate& candidate = candidates[tasks[t].candidate];
-    outcomes[t] = try_world(context, *candidate.below, *candidate.trial, tasks[t].world);
+    outcomes[t] = try_world(context, candidate, tasks[t].world);
   });
   std::vector<Trial> trials;
   for (const Candidate& candidate : candidates) trials.push_back(*candidate.trial);
   for (std::size_t t = 0; t < tasks.size(); ++t) {
     Trial& trial = trials[tasks[t].candidate];
     trial.tried += outcomes[t] != Fate::kUndecidable ? 1 : 0;
-    trial.survived += outcomes[t] == Fate::kStands ? 1 : 0;
+    trial.survived += outcomes[t] == Fate::kStands || outcomes[t] == Fate::kOutlasts ? 1 : 0;
+    trial.shaken += outcomes[t] == Fate::kOutlasts ? 1 : 0;
   }
-  for (Trial& trial : trials) {
+  for (std::size_t c = 0; c < trials.size(); ++c) {
+    Trial& trial = trials[c];
     Placement& placement = trial.placement;
     trial.worlds = std::max(trial.worlds, worlds);
     placement.predicted_success =
         trial.tried > 0 ? static_cast<double>(trial.survived) / trial.tried : (worlds > 0 ? 0.0 : 1.0);
     placement.expected_height = placement.predicted_success;
+    if (candidates[c].shake && trial.tried > 0)
+      placement.terms["outlasts_shake"] = static_cast<double>(trial.shaken) / trial.tried;
     if (placement.predicted_success < context.options->min_success)
       trial = dropped(std::move(trial), "falls too often when placed with the expected error");
   }

@@ -20,6 +20,7 @@ struct Trial {
   int worlds = 0;       ///< with displaced placements and centres of mass that it was tried in;
   int tried = 0;        ///< of these carry information,
   int survived = 0;     ///< and in so many it stood
+  int shaken = 0;       ///< and outlasted a shake; asked of finished towers with the objective "firm"
 };
 
 /// Lets the stone down on the stack `below`, held fixed, and solves the equilibrium of the whole. The stack
@@ -35,6 +36,7 @@ struct Trial {
 struct Candidate {
   const Stack* below = nullptr;
   const Trial* trial = nullptr;
+  bool shake = false;  ///< the tower is finished and to outlast a shake
 };
 /// Tries each in worlds 0 to `worlds` - 1 (those it was not tried in yet), all at once: placements displaced
 /// by the placement uncertainty, centres of mass by theirs. Every trial meets the same worlds.

@@ -102,9 +102,9 @@ TEST(JudgeTower, TriesATowerByWaitingAndShaking) {
   auto left = try_tower(bench.simulated, options);
   EXPECT_EQ(left.standing, (std::vector<int>{2, 2, 2}));
   EXPECT_EQ(left.shaken, 2) << "0.2 g neither tips nor slides a flat box";
-  options.shake_acceleration = 15.0;  // far above what friction of at most 0.65 carries
-  options.shake_frequency = 1.0;
-  options.shake_seconds = 1.5;
+  options.shake.acceleration = 15.0;  // far above what friction of at most 0.65 carries
+  options.shake.frequency = 1.0;
+  options.shake.seconds = 1.5;
   EXPECT_LT(try_tower(bench.simulated, options).shaken, 2);
   bench.simulated.place(2_stone, make_pose(Eigen::Vector3d(site.x() + 0.09, site.y(), 0.1252)));
   left = try_tower(bench.simulated, options);

@@ -71,6 +71,20 @@ TEST(JudgeStack, EndsWhereAStoneMovedIfNobodyAsksWhatStays) {
   EXPECT_LT(verdict.shift, 0.02) << "it has begun to tip";
 }
 
+TEST(StandingWhenShaken, ALowColumnOutlastsWhatTipsASlenderOne) {
+  // Tips statically at g times width over height: 2 m/s^2 are 0.2 g.
+  StandOptions options;
+  options.friction = 0.6;
+  const ShapeList shapes{box(0.08, 0.08, 0.06), box(0.06, 0.016, 0.16)};
+  const Stack low{{{0_stone, at(0, 0, 0.03)}, {0_stone, at(0, 0, 0.09)}}};
+  const Stack slender{{{0_stone, at(0, 0, 0.03)}, {1_stone, at(0, 0, 0.14)}}};
+  EXPECT_EQ(standing_when_shaken(shapes, low, options), 2);
+  EXPECT_TRUE(judge_stack(shapes, slender, options).stands);
+  EXPECT_EQ(standing_when_shaken(shapes, slender, options, {0.5, 2.4, 0.7}), 2);
+  EXPECT_EQ(standing_when_shaken(shapes, slender, options), 1);
+  EXPECT_EQ(standing_when_shaken(shapes, {}), 0);
+}
+
 TEST(JudgeStack, TheWeightMayActBesideTheCentreOfMass) {
   // 2 mm inside the edge; the upper cube is turned by a quarter, so that its y axis points along -x.
   const ShapeList shapes{box(0.06, 0.06, 0.06)};

@@ -146,6 +146,22 @@ TEST(FindNextPose, TriesTheWholeOfItsBestPlanInDisplacedWorlds) {
   EXPECT_NEAR(best.expected_height, followed, 0.25);
 }
 
+TEST(FindNextPose, AFirmTowerIsShakenWhereItIsPlanned) {
+  SearchProblem problem = base_stands();
+  SearchOptions options = quick();
+  options.friction = 0.5;
+  const SearchResult plain = find_next_pose(problem, options);
+  ASSERT_FALSE(plain.best.empty()) << plain.reason;
+  EXPECT_FALSE(plain.best.front().terms.contains("outlasts_shake"));
+  problem.available.pop_back();
+  options.objective = "firm";
+  const SearchResult firm = find_next_pose(problem, options);
+  ASSERT_FALSE(firm.best.empty()) << firm.reason;
+  EXPECT_EQ(firm.best.front().terms.at("outlasts_shake"), 1.0);
+  options.objective = "soft";
+  EXPECT_THROW((void)find_next_pose(problem, options), InvalidArgument);
+}
+
 TEST(FindNextPose, SearchesNothingElseWhereOnlyTheKnownRouteIsAskedFor) {
   SearchProblem problem = base_stands();
   problem.known_route = {{2_stone, at(0, 0, 0.08)}};  // the larger stone does not stand on the smaller

@@ -14,11 +14,13 @@ Trial trial_of(StoneIndex stone, double margin = 0.1, double success = 1.0) {
   return trial;
 }
 
-TowerTree four_stones() {
-  return TowerTree(Stack{}, {{0_stone, Pose::Identity()},
-                             {1_stone, Pose::Identity()},
-                             {2_stone, Pose::Identity()},
-                             {3_stone, Pose::Identity()}});
+TowerTree four_stones(int levels = 2, bool firm = false) {
+  return TowerTree(Stack{},
+                   {{0_stone, Pose::Identity()},
+                    {1_stone, Pose::Identity()},
+                    {2_stone, Pose::Identity()},
+                    {3_stone, Pose::Identity()}},
+                   levels, firm);
 }
 
 TEST(TowerTree, ChildrenStandOnTheirParents) {
@@ -63,15 +65,33 @@ TEST(TowerTree, ChanceGrowsWithRoutesToFinishAndFallsWithRisk) {
     tree.node(k).judged = tree.node(k).predicted = true;
     tree.set_grown(k);
   }
-  EXPECT_EQ(tree.chance(a, 2, 0.1), 0.0);  // grown, and nothing came of it
+  EXPECT_EQ(tree.chance(a, 0.1), 0.0);  // grown, and nothing came of it
   tree.add(a, trial_of(2_stone), 0.1);
   tree.add(b, trial_of(2_stone), 0.1);
-  const double one_way = tree.chance(a, 2, 0.1);
+  const double one_way = tree.chance(a, 0.1);
   EXPECT_GT(one_way, 0.0);
   tree.add(b, trial_of(3_stone), 0.1);
-  EXPECT_GT(tree.chance(b, 2, 0.1), one_way);
+  EXPECT_GT(tree.chance(b, 0.1), one_way);
   tree.node(b).trial.placement.predicted_success = 0.5;
-  EXPECT_LT(tree.chance(b, 2, 0.1), one_way);
+  EXPECT_LT(tree.chance(b, 0.1), one_way);
+}
+
+TEST(TowerTree, AFirmTowerIsTheOneThatOutlastsAShake) {
+  for (const bool firm : {false, true}) {
+    TowerTree tree = four_stones(2, firm);
+    const int a = tree.add(0, trial_of(0_stone), 0.1), b = tree.add(0, trial_of(1_stone), 0.1);
+    const int sure = tree.add(a, trial_of(2_stone, 0.1, 1.0), 0.1);
+    const int lasting = tree.add(b, trial_of(2_stone, 0.1, 0.9), 0.1);
+    for (const int k : {a, b, sure, lasting}) {
+      tree.node(k).judged = tree.node(k).predicted = true;
+      tree.node(k).trial.tried = 10;
+      tree.set_grown(k);
+    }
+    tree.node(lasting).trial.shaken = 8;
+    EXPECT_DOUBLE_EQ(tree.firmness(lasting), 0.8);
+    EXPECT_EQ(tree.chance(b, 0.1) > tree.chance(a, 0.1), firm);
+    EXPECT_EQ(tree.best_path_from(0), (std::vector<int>{firm ? b : a, firm ? lasting : sure}));
+  }
 }
 
 TEST(TowerTree, OfEquallyHighRoutesTheFirmerIsBest) {

@@ -27,9 +27,7 @@ struct TowerVerdict {
 /// How a finished tower is tried: waiting, then shaking.
 struct SurvivalOptions {
   std::vector<double> seconds{5.0, 60.0, 600.0};  ///< simulated, rising; looked at each of these
-  double shake_acceleration = 2.0;                ///< amplitude, level, once along x and once along y [m/s^2]
-  double shake_frequency = 2.4;                   ///< [Hz]
-  double shake_seconds = 0.7;                     ///< then half a second of rest
+  Shake shake;                                    ///< once along x and once along y
 };
 
 /// Height that is left of the tower.

@@ -55,6 +55,18 @@ struct StandVerdict {
 [[nodiscard]] StandVerdict judge_stack(const ShapeList& shapes, const Stack& stack,
                                        const StandOptions& options = {});
 
+/// Shaking of the table: a level acceleration that swings, then half a second of rest.
+struct Shake {
+  double acceleration = 2.0;  ///< amplitude [m/s^2]
+  double frequency = 2.4;     ///< [Hz]
+  double seconds = 0.7;       ///< duration [s]
+};
+/// Shakes the stack with every stone dynamic, once along x and once along y, each from its given poses; of
+/// the options friction, step, iterations, touch_gap and com_error_O count.
+/// @return stones from the bottom that are still a clean stack after the worse of the two
+[[nodiscard]] int standing_when_shaken(const ShapeList& shapes, const Stack& stack,
+                                       const StandOptions& options = {}, const Shake& shake = {});
+
 /// Contacts of a stack as it lies (no simulation): features of two stones, or of a stone and the table,
 /// within `gap` (at most 1 mm) of each other, reduced to at most 16 a pair (the deepest and the most spread).
 /// Indices are levels of the stack.

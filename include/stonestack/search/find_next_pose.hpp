@@ -17,6 +17,9 @@ namespace stonestack::search {
 struct SearchOptions {
   std::string method = "default";  ///< "default" or "paper"
   double friction = 0.1;           ///< what the planner assumes, paper §4.1
+  /// Which of the highest towers is sought in default mode: "height", the one likeliest to stand; "firm", the
+  /// one likeliest to outlast a shake of the table (physics::Shake).
+  std::string objective = "height";
 
   // Eq. (2). Normalised by the references unless si_cost.
   double w1 = 0.179;     ///< weight of the support polygon's area
