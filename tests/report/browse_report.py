@@ -128,6 +128,24 @@ def browse(browser, report, picture):
         const p = points ? points.geometry.attributes.position : {count: 0};
         return scene.layers.cloud.visible && p.count > 500 && Array.from(p.array).every((x) => Math.abs(x) < 3)"""),
           "the points of the camera are a layer")
+    compared = browser.run("""
+        const places = run.decisions.filter((d) => d.candidates.some((c) => c.chosen));
+        return places.map((d) => d.candidates.length)""")
+    loose = browser.run("return run.present")
+    check(len(compared) >= placed and all(count == 6 for count in compared[:max(1, loose - 2)]),
+          f"the chosen placement stands beside the next five ({compared})")
+    check(browser.run("""
+        const tables = [...document.querySelectorAll('#decisions table')];
+        return tables.length > 0 && tables.every((table) => table.querySelectorAll('tr.chosen').length === 1 &&
+            [...table.querySelectorAll('tbody tr:not(.chosen)')].every((row) => row.lastChild.textContent.length > 5))"""),
+          "each that was not chosen says why")
+    if browser.run("return run.decisions.some((d) => d.terms.includes('joint_cover'))"):
+        check(browser.run("""
+            const heads = [...document.querySelectorAll('#decisions th')].map((head) => head.textContent);
+            return ['course', 'joint cover mm', 'fill', 'margin g', 'worth'].every((name) => heads.includes(name))"""),
+              "a wall has the terms of its own")
+        check(browser.run("return run.towers.some((t) => t.thrust.length > 2 * t.centres.length)"),
+              "the thrust lines of a wall branch")
     browser.click("#layer-support")
     browser.run("show(run.decisions.find((d) => d.candidates.some((c) => c.chosen && c.support.length)).t)")
     check(browser.run("return scene.layers.support.visible && scene.layers.support.children.length > 0"),

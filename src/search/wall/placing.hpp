@@ -60,7 +60,13 @@ class Placing {
                                          const std::function<void(const std::string&)>& report);
 /// The frame of a structure in W, where its middle is `middle` along x from the origin of the frame [m].
 [[nodiscard]] Pose frame_of(const WallTarget& target, const Eigen::Vector2d& site, double middle);
-/// The state with one more stone.
-[[nodiscard]] WallState with(const WallState& state, const Settled& next);
+/// The best of `list` but the one at `chosen`, as what was compared with that one.
+[[nodiscard]] std::vector<Alternative> compared_in(const std::vector<Settled>& list, std::size_t chosen);
+/// A placement in the structure's frame, and what was compared with it, in W.
+[[nodiscard]] WallPlacement in_world(const Pose& T_W_V, WallPlacement placement,
+                                     const std::shared_ptr<const std::vector<Alternative>>& compared);
+/// The state with one more stone, and what was compared with it.
+[[nodiscard]] WallState with(const WallState& state, const Settled& next,
+                             std::vector<Alternative> compared = {});
 
 }  // namespace stonestack::search

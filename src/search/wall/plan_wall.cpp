@@ -97,8 +97,12 @@ class WallSearch {
     keep(state);
     for (const WallPlacement& planned : rest_) {
       if (context_.out_of_time()) return false;
-      const auto next = placing_.as_planned(state, planned, state.stones.size() == start_.stones.size());
+      auto next = placing_.as_planned(state, planned, state.stones.size() == start_.stones.size());
       if (!next) return false;
+      if (const auto slot = slot_after(state); slot && slot->course == planned.course)
+        next->trial.placement.terms.merge(terms_in_slot(
+            *slot, next->placed,
+            worth_in_slot(*slot, next->placed, next->trial.margin, context_.options->friction)));
       state = with(state, *next);
       keep(state);
     }
@@ -122,6 +126,7 @@ class WallSearch {
     for (Settled& one : list) one.worth += urgency_[one.placed.stone] + random_.normal(0.0, variation_);
     std::stable_sort(list.begin(), list.end(),
                      [](const Settled& p, const Settled& q) { return p.worth > q.worth; });
+    for (Settled& one : list) one.trial.placement.terms.merge(terms_in_slot(slot, one.placed, one.worth));
     return list;
   }
 
@@ -153,11 +158,11 @@ class WallSearch {
     if (!slot) return true;
     std::vector<Settled> list = settled(state, *slot);
     std::size_t tried = 0;
-    for (Settled& next : list) {
+    for (std::size_t k = 0; k < list.size(); ++k) {
       if (out_of_tries() || tried == kTriedInSlot) return false;
-      if (!placing_.holds(state, next)) continue;
+      if (!placing_.holds(state, list[k])) continue;
       ++tried;
-      if (complete(with(state, next))) return true;
+      if (complete(with(state, list[k], compared_in(list, k)))) return true;
     }
     return false;
   }
@@ -170,7 +175,7 @@ class WallSearch {
       const auto next =
           std::find_if(list.begin(), list.end(), [&](Settled& one) { return placing_.holds(state, one); });
       if (next != list.end()) {
-        state = with(state, *next);
+        state = with(state, *next, compared_in(list, static_cast<std::size_t>(next - list.begin())));
         keep(state);
         slot = slot_after(state);
         continue;
@@ -284,10 +289,8 @@ WallPlan plan_wall(const SearchProblem& problem, const WallTarget& target, const
   plan.T_W_V = search.frame().value_or(frame_of(target, problem.site, 0.5 * (left + right)));
   const std::vector<std::vector<int>> supports = rests_upon(context, best);
   for (std::size_t k = problem.stack.stones.size(); k < best.stones.size(); ++k) {
-    WallPlacement placement{best.trials[k].placement, best.stones[k].course, supports[k]};
-    placement.placement.T_W_O = plan.T_W_V * placement.placement.T_W_O;
-    placement.placement.support = {};
-    plan.placements.push_back(std::move(placement));
+    plan.placements.push_back(
+        in_world(plan.T_W_V, {best.trials[k].placement, best.stones[k].course, supports[k]}, best.compared[k]));
   }
   if (!search.is_whole()) plan.reason = search.reason();
   plan.seconds = context.watch.seconds();
