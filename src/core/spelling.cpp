@@ -14,14 +14,16 @@ bool are_swapped(std::string_view a, std::string_view b) {
   const auto first = std::mismatch(a.begin(), a.end(), b.begin());
   if (a.end() - first.first < 2) return false;
   std::string swapped(a);
-  std::iter_swap(swapped.begin() + (first.first - a.begin()), swapped.begin() + (first.first - a.begin()) + 1);
+  std::iter_swap(swapped.begin() + (first.first - a.begin()),
+                 swapped.begin() + (first.first - a.begin()) + 1);
   return swapped == b;
 }
 
 /// Names by their edit distance, neighbours that swapped places as one edit; the order of equal ones is kept.
 std::multimap<std::size_t, std::string> ranked(const std::vector<std::string>& names, std::string_view name) {
   std::multimap<std::size_t, std::string> list;
-  for (const std::string& known : names) list.emplace(are_swapped(name, known) ? 1 : edit_distance(name, known), known);
+  for (const std::string& known : names)
+    list.emplace(are_swapped(name, known) ? 1 : edit_distance(name, known), known);
   return list;
 }
 

@@ -27,10 +27,10 @@ namespace {
 using nlohmann::json;
 
 constexpr double kSamePoint = 0.003;  // m: contacts of one pair that are drawn as one
-constexpr std::size_t kShown = 6;       // placements of a decision: the chosen one beside the next five
+constexpr std::size_t kShown = 6;     // placements of a decision: the chosen one beside the next five
 const std::array<const char*, 4> kTerms{"area", "kinetic_energy", "distance", "normal"};  // of eq. (2)
-const std::array<const char*, 6> kWallTerms{"course",     "joint_cover", "fill",
-                                            "off_height", "off_axis",    "worth"};
+const std::array<const char*, 7> kWallTerms{"course",   "joint_cover", "fill",   "off_height",
+                                            "off_axis", "worth",       "urgency"};
 
 double rounded(double value, double unit = 1e-5) {
   return std::round(value / unit) * unit;
@@ -126,14 +126,14 @@ json tower_entry(const ShapeList& shapes, const RestingStack& resting) {
       points.push_back({contact, contact.impulse});
   }
   const double scale = on_table > 0.0 ? weight / on_table : 0.0;
-  std::map<std::pair<int, int>, std::pair<Eigen::Vector3d, double>> pressure;  // by the stones below and above
+  std::map<std::pair<int, int>, std::pair<Eigen::Vector3d, double>>
+      pressure;  // by the stones below and above
   for (const Point& point : points) {
     const double force = scale * point.impulse;
     contacts.push_back({{"p", numbers(point.contact.p_W)}, {"f", numbers(force * point.contact.n_W)}});
-    auto& [sum, total] = pressure
-                             .try_emplace({point.contact.below, point.contact.above},
-                                          Eigen::Vector3d::Zero(), 0.0)
-                             .first->second;
+    auto& [sum, total] =
+        pressure.try_emplace({point.contact.below, point.contact.above}, Eigen::Vector3d::Zero(), 0.0)
+            .first->second;
     sum += force * point.contact.p_W;
     total += force;
   }
@@ -226,7 +226,7 @@ template <class P>
 json compared_entry(const P& p, bool chosen) {
   return {{"stone", p.stone},
           {"T_W_O", numbers(p.T_W_O)},
-          {"cost", p.cost},
+          {"cost", p.terms.empty() ? json(nullptr) : json(p.cost)},
           {"predicted", tried(p.predicted_success)},
           {"terms", p.terms},
           {"expected", tried(p.expected_height)},

@@ -38,9 +38,10 @@ std::vector<int> ranked_firsts(const TowerTree& tree, int levels, double frictio
 }
 
 /// Other children of a node's parent, without those in `chosen`: the likeliest to lead to the top first, then
-/// those that were dropped.
-std::vector<Alternative> compared_with(const TowerTree& tree, int parent, const std::vector<int>& chosen,
+/// those that were dropped, then what did not come to rest.
+std::vector<Alternative> compared_with(const TowerSearch& search, int parent, const std::vector<int>& chosen,
                                        int levels, double friction) {
+  const TowerTree& tree = search.tree();
   struct Ranked {
     std::tuple<bool, bool, int, double> rank;
     int node = 0;
@@ -51,7 +52,8 @@ std::vector<Alternative> compared_with(const TowerTree& tree, int parent, const 
     const TowerNode& node = tree.node(k);
     const bool alive = node.trial.alive;
     others.push_back(
-        {{alive, node.predicted, tree.reach(k), alive ? tree.chance(k, levels, friction) : node.trial.score}, k});
+        {{alive, node.predicted, tree.reach(k), alive ? tree.chance(k, levels, friction) : node.trial.score},
+         k});
   }
   std::stable_sort(others.begin(), others.end(),
                    [](const Ranked& p, const Ranked& q) { return p.rank > q.rank; });
@@ -61,6 +63,9 @@ std::vector<Alternative> compared_with(const TowerTree& tree, int parent, const 
     Alternative& one = list.emplace_back(alternative_of(tree.node(other.node).trial));
     one.expected_height = tree.expected_height(other.node);
   }
+  for (const TowerSearch::Dropped& dropped : search.dropped())
+    if (dropped.below == parent && list.size() < kMaxAlternatives)
+      list.push_back(alternative_of(dropped.trial));
   return list;
 }
 
@@ -113,12 +118,12 @@ Collected collected(const SearchContext& context, TowerSearch& search, int level
     for (const int above : tree.best_path_from(k)) {
       const TowerNode& next = tree.node(above);
       placement.then.push_back({next.trial.stone, next.trial.placement.T_W_O});
-      placement.then_compared.push_back(compared_with(tree, next.parent, {above}, levels, friction));
+      placement.then_compared.push_back(compared_with(search, next.parent, {above}, levels, friction));
     }
     found.best.push_back(std::move(placement));
     taken.push_back(k);
   }
-  found.others = compared_with(tree, 0, taken, levels, friction);
+  found.others = compared_with(search, 0, taken, levels, friction);
   return found;
 }
 

@@ -165,9 +165,8 @@ Trial judged_trial(const SearchContext& context, const Stack& below, Trial trial
 
 Alternative alternative_of(const Trial& trial) {
   const Placement& placement = trial.placement;
-  Alternative other{trial.stone, placement.T_W_O, placement.cost, placement.terms, 0.0, 0.0, {}};
+  Alternative other{trial.stone, placement.T_W_O, placement.cost, placement.terms, 0.0, 0.0, trial.outcome};
   if (trial.worlds > 0) other.predicted_success = placement.predicted_success;
-  if (!trial.alive) other.why_not = trial.outcome;
   return other;
 }
 

@@ -34,8 +34,13 @@ std::vector<Alternative> compared_with(const Placement& chosen, const SearchResu
   std::vector<Alternative> list;
   for (const Placement& other : found.best)
     if (other.stone != chosen.stone || !other.T_W_O.isApprox(chosen.T_W_O, 1e-9))
-      list.push_back({other.stone, other.T_W_O, other.cost, other.terms, other.predicted_success,
-                      other.expected_height, {}});
+      list.push_back({other.stone,
+                      other.T_W_O,
+                      other.cost,
+                      other.terms,
+                      other.predicted_success,
+                      other.expected_height,
+                      {}});
   list.insert(list.end(), found.others.begin(), found.others.end());
   if (std::ssize(list) > kMaxCompared) list.erase(list.begin() + kMaxCompared, list.end());
   return list;

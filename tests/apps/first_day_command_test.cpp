@@ -9,9 +9,7 @@ using ::testing::Not;
 
 class FirstDayCommand : public Commands {
  protected:
-  [[nodiscard]] json result(const std::string& run) const {
-    return read(run + "/result.json");
-  }
+  [[nodiscard]] json result(const std::string& run) const { return read(run + "/result.json"); }
   [[nodiscard]] json read(const std::string& name) const {
     return json::parse(read_file(folder_ + "/" + name, 1 << 24), nullptr, false);
   }

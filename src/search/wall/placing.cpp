@@ -61,10 +61,13 @@ Pose frame_of(const WallTarget& target, const Eigen::Vector2d& site, double midd
   return T_W_V * Eigen::Translation3d(-middle, 0.0, 0.0);
 }
 
-std::vector<Alternative> compared_in(const std::vector<Settled>& list, std::size_t chosen) {
+std::vector<Alternative> compared_in(const std::vector<Settled>& list, std::size_t chosen,
+                                     const std::vector<Alternative>& refused) {
   std::vector<Alternative> others;
   for (std::size_t k = 0; k < list.size() && others.size() < kMaxAlternatives; ++k)
     if (k != chosen) others.push_back(alternative_of(list[k].trial));
+  for (std::size_t k = 0; k < refused.size() && others.size() < kMaxAlternatives; ++k)
+    others.push_back(refused[k]);
   return others;
 }
 
@@ -98,8 +101,13 @@ bool Placing::is_reachable(const Placement& placement, const Stack& below_V) con
   return context_.problem->reachable(placement.stone, placement.T_W_O, below);
 }
 
+void Placing::refuse(Alternative other) {
+  if (refused.size() < kMaxAlternatives) refused.push_back(std::move(other));
+}
+
 std::vector<WallProposal> Placing::reachable(std::vector<WallProposal> list, const Stack& below,
                                              std::size_t keep) {
+  refused.clear();
   if (!context_.problem->reachable) {
     list.resize(std::min(list.size(), keep));
     return list;
@@ -113,8 +121,16 @@ std::vector<WallProposal> Placing::reachable(std::vector<WallProposal> list, con
     placement.T_W_O = *T_W_V_ * stone_pose(made.proposal.body);
     if (is_reachable(placement, below))
       kept.push_back(std::move(made));
-    else
+    else {
       ++unreachable;
+      refuse({placement.stone,
+              stone_pose(made.proposal.body),
+              0.0,
+              {},
+              0.0,
+              0.0,
+              "the arm does not bring it there"});
+    }
   }
   return kept;
 }
@@ -134,7 +150,10 @@ std::vector<Settled> Placing::settled(const Stack& below, const std::vector<Wall
     list[k].placed = placed_in_wall(*made.stone, *made.side, body.R_W_O, body.p_W_M, course);
   });
   for (const Settled& one : list)
-    if (!one.trial.alive) reason = one.trial.outcome;
+    if (!one.trial.alive) {
+      reason = one.trial.outcome;
+      refuse(alternative_of(one.trial));
+    }
   std::erase_if(list, [](const Settled& one) { return !one.trial.alive; });
   return list;
 }

@@ -28,7 +28,7 @@ struct WallState {
   std::vector<Trial> trials;            ///< of each
   /// What was compared with each, in the wall's frame; null where nothing was.
   std::vector<std::shared_ptr<const std::vector<Alternative>>> compared;
-  int closed = 0;                       ///< courses from the bottom in which no more stone fits
+  int closed = 0;  ///< courses from the bottom in which no more stone fits
   [[nodiscard]] Stack stack() const;
   [[nodiscard]] bool holds(StoneIndex stone) const;
   /// Indices of a course's stones, from the left.
@@ -52,9 +52,9 @@ struct WallSlot {
 /// @param firmness horizontal acceleration that it bears [g]
 [[nodiscard]] double worth_in_slot(const WallSlot& slot, const WallStonePlaced& placed, double firmness,
                                    double friction);
-/// Figures of a stone in a slot, for reports: `course` (from 1), `joint_cover` [m] from its ends to the nearest
-/// joint below, at most 30 mm, `fill` (share of the rectangle along and across the wall that it covers),
-/// `off_height` [m] of its top where a course comes on top, `off_axis` [m], `worth`.
+/// Figures of a stone in a slot, for reports: `course` (from 1), `joint_cover` [m] from its ends to the
+/// nearest joint below, at most 30 mm, `fill` (share of the rectangle along and across the wall that it
+/// covers), `off_height` [m] of its top where a course comes on top, `off_axis` [m], `worth`.
 [[nodiscard]] std::map<std::string, double> terms_in_slot(const WallSlot& slot, const WallStonePlaced& placed,
                                                           double worth);
 /// A stone in the wall's frame.
