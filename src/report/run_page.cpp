@@ -273,12 +273,28 @@ bool same_placement(const Placement& a, const Placement& b) {
   return a.stone == b.stone && a.T_W_O.isApprox(b.T_W_O, 1e-9);
 }
 
+/// Stones that a placement and what is to follow it take, in order.
+std::vector<StoneIndex> stones_of_plan(const Placement& chosen) {
+  std::vector<StoneIndex> stones{chosen.stone};
+  for (const PlacedStone& next : chosen.then) stones.push_back(next.stone);
+  return stones;
+}
+
+/// Is a placement the next of an earlier plan, or its first once more?
+bool goes_on_with(const std::vector<StoneIndex>& planned, const Placement& chosen) {
+  const std::vector<StoneIndex> now = stones_of_plan(chosen);
+  return !planned.empty() &&
+         (now == planned || std::equal(now.begin(), now.end(), planned.begin() + 1, planned.end()));
+}
+
 /// Where a placement stood among those that the search offered.
-std::string reason_of(const Placement& chosen, const std::vector<Placement>& offered, std::size_t compared) {
+std::string reason_of(const Placement& chosen, const std::vector<Placement>& offered, std::size_t compared,
+                      bool follows) {
   if (offered.size() < 2)
     return format(
-        "compared with %zu others; %.2f stones are expected to stand in the end, with %zu more to follow",
-        compared - 1, chosen.expected_height, chosen.then.size());
+        "%s%zu other%s; %.2f stones are expected to stand in the end, with %zu more to follow",
+        follows ? "next in the plan that was made before, when it was compared with " : "compared with ",
+        compared - 1, compared == 2 ? "" : "s", chosen.expected_height, chosen.then.size());
   const auto place = std::find_if(offered.begin(), offered.end(),
                                   [&](const Placement& p) { return same_placement(p, chosen); });
   const std::string number =
@@ -289,8 +305,7 @@ std::string reason_of(const Placement& chosen, const std::vector<Placement>& off
       number.c_str(), offered.size(), chosen.expected_height, chosen.then.size());
 }
 
-json decision_entry(const ActionChosen& chosen, const Catalogue& catalogue, double time,
-                    const std::vector<std::string>& why) {
+json decision_entry(const ActionChosen& chosen, const Catalogue& catalogue, double time, PagePosition& from) {
   ActionTitle title{catalogue};
   const std::string text = std::visit(title, chosen.action);
   json candidates = json::array();
@@ -306,9 +321,11 @@ json decision_entry(const ActionChosen& chosen, const Catalogue& catalogue, doub
     for (const Alternative& other : chosen.others)
       if (candidates.size() < kShown) candidates.push_back(candidate_entry(other));
   }
-  json reasons = why;
+  json reasons = from.why;
   if (title.chosen != nullptr && candidates.size() > 1)
-    reasons.push_back(reason_of(*title.chosen, chosen.offered, candidates.size()));
+    reasons.push_back(reason_of(*title.chosen, chosen.offered, candidates.size(),
+                                goes_on_with(from.planned, *title.chosen)));
+  if (title.chosen != nullptr) from.planned = stones_of_plan(*title.chosen);
   if (const auto* stop = std::get_if<Stop>(&chosen.action)) reasons.push_back(stop->reason);
   const bool of_wall = title.chosen != nullptr && title.chosen->terms.contains("worth");
   return {{"t", time},
@@ -360,7 +377,7 @@ void add_events(json& page, const RunReport& report, const Catalogue& catalogue,
       towers.push_back(tower);
       why.clear();
     } else if (const auto* chosen = std::get_if<ActionChosen>(&event)) {
-      decisions.push_back(decision_entry(*chosen, catalogue, time, why));
+      decisions.push_back(decision_entry(*chosen, catalogue, time, from));
       why.clear();
     } else if (!text.empty()) {
       why.push_back(text);

@@ -137,7 +137,7 @@ def browse(browser, report, picture):
     check(browser.run("""
         const tables = [...document.querySelectorAll('#decisions table')];
         return tables.length > 0 && tables.every((table) => table.querySelectorAll('tr.chosen').length === 1 &&
-            [...table.querySelectorAll('tbody tr:not(.chosen)')].every((row) => row.lastChild.textContent.length > 5))"""),
+            [...table.querySelectorAll('tbody tr:not(.chosen)')].every((row) => row.children[1].textContent.length > 5))"""),
           "each that was not chosen says why")
     if browser.run("return run.decisions.some((d) => d.terms.includes('joint_cover'))"):
         check(browser.run("""

@@ -192,6 +192,20 @@ TEST(RunPage, ShowsSixPlacementsWhereAPlanIsFollowed) {
               testing::AllOf(HasSubstr("compared with 5 others"), HasSubstr("2.50 stones are expected")));
 }
 
+TEST(RunPage, SaysThatAPlanIsFollowed) {
+  RunReport report = report_of_a_grasp(0_stone);
+  Placement first, second;
+  first.stone = 1_stone;
+  first.then = {{2_stone, Pose::Identity()}};
+  second.stone = 2_stone;
+  for (const Placement& next : {first, second})
+    report.result.events.emplace_back(ActionChosen{Place{{next}}, {next}, {Alternative{}}});
+  report.result.timeline.event_time = {10.0, 10.5, 11.5};
+  const json decisions = json::parse(page_data(report, stones(), robot(), ""))["decisions"];
+  EXPECT_THAT(decisions[0]["why"].back().get<std::string>(), testing::StartsWith("compared with 1 other"));
+  EXPECT_THAT(decisions[1]["why"].back().get<std::string>(), testing::StartsWith("next in the plan"));
+}
+
 TEST(RunPage, ShowsTheTermsOfAWall) {
   Placement next;
   next.stone = 1_stone;
