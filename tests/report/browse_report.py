@@ -157,7 +157,7 @@ def browse(browser, report, picture):
             const heads = [...document.querySelectorAll('#decisions th')].map((head) => head.textContent);
             return ['course', 'joint cover mm', 'fill', 'margin g', 'worth'].every((name) => heads.includes(name))"""),
               "a wall has the terms of its own")
-        check(browser.run("return run.towers.some((t) => t.thrust.length > 2 * t.centres.length)"),
+        check(browser.run("return run.towers.some((t) => t.centres.length > 2 && t.thrust.length >= 2 * t.centres.length)"),
               "the thrust lines of a wall branch")
     browser.click("#layer-support")
     browser.run("show(run.decisions.find((d) => d.candidates.some((c) => c.chosen && c.support.length)).t)")
