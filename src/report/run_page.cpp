@@ -305,6 +305,17 @@ std::string reason_of(const Placement& chosen, const std::vector<Placement>& off
       number.c_str(), offered.size(), chosen.expected_height, chosen.then.size());
 }
 
+/// Terms that are shown for candidates: those of a wall or bridge that any of them has, else those of eq.
+/// (2).
+json terms_of(const json& candidates) {
+  json names = json::array();
+  for (const char* name : kWallTerms)
+    if (std::any_of(candidates.begin(), candidates.end(),
+                    [&](const json& c) { return c["terms"].contains(name); }))
+      names.push_back(name);
+  return names.empty() ? json(kTerms) : names;
+}
+
 json decision_entry(const ActionChosen& chosen, const Catalogue& catalogue, double time, PagePosition& from) {
   ActionTitle title{catalogue};
   const std::string text = std::visit(title, chosen.action);
@@ -327,12 +338,11 @@ json decision_entry(const ActionChosen& chosen, const Catalogue& catalogue, doub
                                 goes_on_with(from.planned, *title.chosen)));
   if (title.chosen != nullptr) from.planned = stones_of_plan(*title.chosen);
   if (const auto* stop = std::get_if<Stop>(&chosen.action)) reasons.push_back(stop->reason);
-  const bool of_wall = title.chosen != nullptr && title.chosen->terms.contains("worth");
   return {{"t", time},
           {"title", text},
           {"why", reasons},
           {"candidates", candidates},
-          {"terms", of_wall ? json(kWallTerms) : json(kTerms)}};
+          {"terms", terms_of(candidates)}};
 }
 
 /// Stones as they were seen, with the standard deviations of their poses (mm along x, y, z; deg), and the

@@ -29,7 +29,7 @@ void erase(std::vector<StoneEstimate>& stones, StoneIndex stone) {
   std::erase_if(stones, [&](const StoneEstimate& s) { return s.stone == stone; });
 }
 
-/// What a search compared with the placement that is carried out, best first.
+/// Alternatives that a search had to the placement that is carried out, best first.
 std::vector<Alternative> compared_with(const Placement& chosen, const SearchResult& found) {
   std::vector<Alternative> list;
   for (const Placement& other : found.best)

@@ -35,7 +35,7 @@ struct FollowedPlan {
   std::size_t stack_before = 0;    ///< stones
   std::size_t friction_level = 0;  ///< of the assumed frictions, which the search had
   Route route = Route::kDirect;    ///< that the search counted on
-  /// What the search compared with `placement`, best first; with what follows it: `placement.then_compared`.
+  /// Alternatives to `placement`, best first; to what follows it: `placement.then_compared`.
   std::vector<Alternative> compared = {};
 };
 

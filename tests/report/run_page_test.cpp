@@ -212,8 +212,7 @@ TEST(RunPage, ShowsTheTermsOfAWall) {
   next.terms = {{"course", 2.0}, {"joint_cover", 0.02}, {"worth", 3.0}, {"margin", 0.2}};
   next.support.corners_W = {{0.0, 0.0, 0.1}, {0.1, 0.0, 0.1}, {0.0, 0.1, 0.1}};
   const json decision = decision_page({Place{{next}}, {next}, {}});
-  EXPECT_EQ(decision["terms"],
-            json({"course", "joint_cover", "fill", "off_height", "off_axis", "worth", "urgency"}));
+  EXPECT_EQ(decision["terms"], json({"course", "joint_cover", "worth"}));
   EXPECT_EQ(decision["candidates"][0]["terms"]["joint_cover"], 0.02);
   EXPECT_EQ(decision["candidates"][0]["support"].size(), 3U);
 }

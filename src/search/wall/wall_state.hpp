@@ -26,7 +26,7 @@ struct WallStonePlaced {
 struct WallState {
   std::vector<WallStonePlaced> stones;  ///< in the order in which they were placed
   std::vector<Trial> trials;            ///< of each
-  /// What was compared with each, in the wall's frame; null where nothing was.
+  /// Alternatives to each, in the wall's frame; null where there were none.
   std::vector<std::shared_ptr<const std::vector<Alternative>>> compared;
   int closed = 0;  ///< courses from the bottom in which no more stone fits
   [[nodiscard]] Stack stack() const;
