@@ -12,9 +12,11 @@ namespace {
 struct DecideCommand {
   DecisionTask task;
   bool json = false;
+  Loudness loudness;
 };
 
 void decide_next(DecideCommand& command) {
+  command.loudness.apply();
   const DecisionReport report = decide(command.task);
   std::cout << (command.json ? report.json : report.text);
 }
@@ -22,9 +24,11 @@ void decide_next(DecideCommand& command) {
 struct InspectCommand {
   std::string run;
   bool json = false;
+  Loudness loudness;
 };
 
 void inspect(InspectCommand& command) {
+  command.loudness.apply();
   const RunInspection found = inspect_run(command.run);
   std::cout << (command.json ? found.json : found.text);
 }
@@ -50,6 +54,7 @@ void add_inspect(CLI::App& app) {
       app, "inspect", "Print what happened in a run, by its journal, also of one that was killed", inspect);
   add_path(sub, "run", command.run, "Folder of a run", "RUN")->required();
   sub.add_flag("--json", command.json, "Print one JSON object (schema stonestack.inspect/1)");
+  command.loudness.register_on(sub);
   sub.footer(
       "Examples:\n"
       "  stonestack inspect runs/20261126-101500-1\n"
@@ -84,6 +89,7 @@ void add_decide(CLI::App& app) {
   sub.add_option("--set", command.task.assignments, "Set an option instead of the state's")
       ->type_name("NAME=VALUE");
   sub.add_flag("--json", command.json, "Print one JSON object (schema stonestack.decision/1)");
+  command.loudness.register_on(sub);
   sub.footer(
       "Nothing moves: the state holds all that the decision depends on.\n"
       "Examples:\n"

@@ -11,9 +11,11 @@ namespace {
 struct ExportCommand {
   std::string run, format, out;
   bool json = false;
+  Loudness loudness;
 };
 
 void export_files(ExportCommand& command) {
+  command.loudness.apply();
   const auto files = export_run(command.run, command.format, command.out);
   if (command.json) std::cout << export_json(command.format, files);
   for (const std::string& path : files) (command.json ? std::cerr : std::cout) << path << '\n';
@@ -36,6 +38,7 @@ void add_export(CLI::App& app) {
       ->check(CLI::IsMember(export_formats()));
   add_path(sub, "--out", command.out, "Folder to write to; made if missing (default: RUN/export)", "DIR");
   sub.add_flag("--json", command.json, "Result as JSON on stdout");
+  command.loudness.register_on(sub);
   sub.footer(
       "Prints the paths of the files. Stones are where they were measured last.\n"
       "Examples:\n"

@@ -37,7 +37,7 @@ std::string nearest_names(const FieldList& list, std::string_view name) {
   for (const auto& f : list) ranked.emplace(name_distance(name, f.name), f.name);
   std::vector<std::string> nearest;
   for (auto it = ranked.begin(); it != ranked.end() && nearest.size() < 3; ++it)
-    nearest.push_back(it->second);
+    if (std::find(nearest.begin(), nearest.end(), it->second) == nearest.end()) nearest.push_back(it->second);
   std::string text;
   for (std::size_t i = 0; i < nearest.size(); ++i)
     text += concat(i == 0 ? "" : i + 1 < nearest.size() ? ", " : " or ", nearest[i]);

@@ -8,10 +8,22 @@ namespace {
 
 constexpr std::size_t kMaxMeant = 3;
 
-/// Names by their edit distance; the order of equal ones is kept.
+/// Are the words the same but for two neighbours that swapped places?
+bool are_swapped(std::string_view a, std::string_view b) {
+  if (a.size() != b.size()) return false;
+  const auto first = std::mismatch(a.begin(), a.end(), b.begin());
+  if (a.end() - first.first < 2) return false;
+  std::string swapped(a);
+  std::iter_swap(swapped.begin() + (first.first - a.begin()),
+                 swapped.begin() + (first.first - a.begin()) + 1);
+  return swapped == b;
+}
+
+/// Names by their edit distance, neighbours that swapped places as one edit; the order of equal ones is kept.
 std::multimap<std::size_t, std::string> ranked(const std::vector<std::string>& names, std::string_view name) {
   std::multimap<std::size_t, std::string> list;
-  for (const std::string& known : names) list.emplace(edit_distance(name, known), known);
+  for (const std::string& known : names)
+    list.emplace(are_swapped(name, known) ? 1 : edit_distance(name, known), known);
   return list;
 }
 

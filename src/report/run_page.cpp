@@ -27,7 +27,10 @@ namespace {
 using nlohmann::json;
 
 constexpr double kSamePoint = 0.003;  // m: contacts of one pair that are drawn as one
+constexpr std::size_t kShown = 6;     // placements of a decision: the chosen one beside the next five
 const std::array<const char*, 4> kTerms{"area", "kinetic_energy", "distance", "normal"};  // of eq. (2)
+const std::array<const char*, 7> kWallTerms{"course",   "joint_cover", "fill",   "off_height",
+                                            "off_axis", "worth",       "urgency"};
 
 double rounded(double value, double unit = 1e-5) {
   return std::round(value / unit) * unit;
@@ -95,8 +98,9 @@ json robot_entry(const RobotModel& robot, const CellLayout& layout) {
 
 namespace {
 
-/// Contacts of a resting tower with their forces: impulses of the settled world, scaled so that the table
-/// carries the weight.
+/// Contacts of a resting tower or wall with their forces: impulses of the settled world, scaled so that the
+/// table carries the weight. Thrust lines as segments: from the centre of mass of each stone to the centre of
+/// pressure on each of those below it, and on to the centre of mass of that one.
 json tower_entry(const ShapeList& shapes, const RestingStack& resting) {
   json contacts = json::array(), centres = json::array(), thrust = json::array();
   const StackStatics statics = stack_statics(shapes, *resting.stack, resting.friction);
@@ -122,19 +126,23 @@ json tower_entry(const ShapeList& shapes, const RestingStack& resting) {
       points.push_back({contact, contact.impulse});
   }
   const double scale = on_table > 0.0 ? weight / on_table : 0.0;
-  std::map<int, std::pair<Eigen::Vector3d, double>> below;  // centre of pressure under each stone, by level
+  std::map<std::pair<int, int>, std::pair<Eigen::Vector3d, double>>
+      pressure;  // by the stones below and above
   for (const Point& point : points) {
     const double force = scale * point.impulse;
     contacts.push_back({{"p", numbers(point.contact.p_W)}, {"f", numbers(force * point.contact.n_W)}});
-    auto& [sum, total] = below.try_emplace(point.contact.above, Eigen::Vector3d::Zero(), 0.0).first->second;
+    auto& [sum, total] =
+        pressure.try_emplace({point.contact.below, point.contact.above}, Eigen::Vector3d::Zero(), 0.0)
+            .first->second;
     sum += force * point.contact.p_W;
     total += force;
   }
-  for (const auto& [level, pressure] : below)
-    if (pressure.second > 0.0) {
-      thrust.push_back(numbers(pressure.first / pressure.second));
-      thrust.push_back(numbers(statics.bodies[static_cast<std::size_t>(level)].p_W_com));
-    }
+  for (const auto& [pair, load] : pressure) {
+    if (!(load.second > 0.0)) continue;
+    const json centre = numbers(load.first / load.second);
+    thrust.push_back({centres[static_cast<std::size_t>(pair.second)], centre});
+    if (pair.first != kTable) thrust.push_back({centre, centres[static_cast<std::size_t>(pair.first)]});
+  }
   return {{"contacts", contacts}, {"centres", centres}, {"thrust", thrust}};
 }
 
@@ -204,19 +212,40 @@ json carries(const RunReport& report, const RobotModel& robot, const Times& time
   return list;
 }
 
-json candidate_entry(const Placement& p, bool chosen) {
-  json support = json::array();
-  for (const Eigen::Vector3d& corner : p.support.corners_W) support.push_back(numbers(corner));
-  const auto margin = p.terms.find("margin");
+/// A number of a placement; null where 0 says that nobody tried.
+json tried(double value) {
+  return value > 0.0 ? json(value) : json(nullptr);
+}
+
+json term_or_null(const std::map<std::string, double>& terms, const std::string& name) {
+  const auto found = terms.find(name);
+  return found == terms.end() ? json(nullptr) : json(found->second);
+}
+
+template <class P>
+json compared_entry(const P& p, bool chosen) {
   return {{"stone", p.stone},
           {"T_W_O", numbers(p.T_W_O)},
-          {"cost", p.cost},
-          {"predicted", p.predicted_success},
+          {"cost", p.terms.empty() ? json(nullptr) : json(p.cost)},
+          {"predicted", tried(p.predicted_success)},
           {"terms", p.terms},
-          {"expected", p.expected_height},
+          {"expected", tried(p.expected_height)},
           {"chosen", chosen},
-          {"support", support},
-          {"margin", margin == p.terms.end() ? json(nullptr) : json(margin->second)}};
+          {"support", json::array()},
+          {"why_not", ""},
+          {"margin", term_or_null(p.terms, "margin")}};
+}
+
+json candidate_entry(const Placement& p, bool chosen) {
+  json entry = compared_entry(p, chosen);
+  for (const Eigen::Vector3d& corner : p.support.corners_W) entry["support"].push_back(numbers(corner));
+  return entry;
+}
+
+json candidate_entry(const Alternative& a) {
+  json entry = compared_entry(a, false);
+  entry["why_not"] = a.why_not;
+  return entry;
 }
 
 /// Title of a decision, and the placement that it is about.
@@ -244,20 +273,50 @@ bool same_placement(const Placement& a, const Placement& b) {
   return a.stone == b.stone && a.T_W_O.isApprox(b.T_W_O, 1e-9);
 }
 
+/// Stones that a placement and what is to follow it take, in order.
+std::vector<StoneIndex> stones_of_plan(const Placement& chosen) {
+  std::vector<StoneIndex> stones{chosen.stone};
+  for (const PlacedStone& next : chosen.then) stones.push_back(next.stone);
+  return stones;
+}
+
+/// Is a placement the next of an earlier plan, or its first once more?
+bool goes_on_with(const std::vector<StoneIndex>& planned, const Placement& chosen) {
+  const std::vector<StoneIndex> now = stones_of_plan(chosen);
+  return !planned.empty() &&
+         (now == planned || std::equal(now.begin(), now.end(), planned.begin() + 1, planned.end()));
+}
+
 /// Where a placement stood among those that the search offered.
-std::string reason_of(const Placement& chosen, const std::vector<Placement>& offered) {
+std::string reason_of(const Placement& chosen, const std::vector<Placement>& offered, std::size_t compared,
+                      bool follows) {
+  if (offered.size() < 2)
+    return format(
+        "%s%zu other%s; %.2f stones are expected to stand in the end, with %zu more to follow",
+        follows ? "next in the plan that was made before, when it was compared with " : "compared with ",
+        compared - 1, compared == 2 ? "" : "s", chosen.expected_height, chosen.then.size());
   const auto place = std::find_if(offered.begin(), offered.end(),
                                   [&](const Placement& p) { return same_placement(p, chosen); });
   const std::string number =
       place == offered.end() ? "not among" : concat("number ", place - offered.begin() + 1, " of");
   return format(
       "%s the %zu placements that the search offered; %.2f stones are expected to stand in the end, "
-      "with %zu more on top; the longest plans are tried first",
+      "with %zu more to follow; the longest plans are tried first",
       number.c_str(), offered.size(), chosen.expected_height, chosen.then.size());
 }
 
-json decision_entry(const ActionChosen& chosen, const Catalogue& catalogue, double time,
-                    const std::vector<std::string>& why) {
+/// Terms that are shown for candidates: those of a wall or bridge that any of them has, else those of eq.
+/// (2).
+json terms_of(const json& candidates) {
+  json names = json::array();
+  for (const char* name : kWallTerms)
+    if (std::any_of(candidates.begin(), candidates.end(),
+                    [&](const json& c) { return c["terms"].contains(name); }))
+      names.push_back(name);
+  return names.empty() ? json(kTerms) : names;
+}
+
+json decision_entry(const ActionChosen& chosen, const Catalogue& catalogue, double time, PagePosition& from) {
   ActionTitle title{catalogue};
   const std::string text = std::visit(title, chosen.action);
   json candidates = json::array();
@@ -265,14 +324,25 @@ json decision_entry(const ActionChosen& chosen, const Catalogue& catalogue, doub
       title.chosen != nullptr && std::any_of(chosen.offered.begin(), chosen.offered.end(),
                                              [&](const auto& p) { return same_placement(p, *title.chosen); });
   if (title.chosen != nullptr && !listed) candidates.push_back(candidate_entry(*title.chosen, true));
-  if (title.chosen != nullptr)
-    for (const Placement& p : chosen.offered)
-      candidates.push_back(candidate_entry(p, same_placement(p, *title.chosen)));
-  json reasons = why;
-  if (title.chosen != nullptr && chosen.offered.size() > 1)
-    reasons.push_back(reason_of(*title.chosen, chosen.offered));
+  if (title.chosen != nullptr) {
+    for (const Placement& p : chosen.offered) {
+      const bool is_chosen = same_placement(p, *title.chosen);
+      if (is_chosen || candidates.size() < kShown) candidates.push_back(candidate_entry(p, is_chosen));
+    }
+    for (const Alternative& other : chosen.others)
+      if (candidates.size() < kShown) candidates.push_back(candidate_entry(other));
+  }
+  json reasons = from.why;
+  if (title.chosen != nullptr && candidates.size() > 1)
+    reasons.push_back(reason_of(*title.chosen, chosen.offered, candidates.size(),
+                                goes_on_with(from.planned, *title.chosen)));
+  if (title.chosen != nullptr) from.planned = stones_of_plan(*title.chosen);
   if (const auto* stop = std::get_if<Stop>(&chosen.action)) reasons.push_back(stop->reason);
-  return {{"t", time}, {"title", text}, {"why", reasons}, {"candidates", candidates}, {"terms", kTerms}};
+  return {{"t", time},
+          {"title", text},
+          {"why", reasons},
+          {"candidates", candidates},
+          {"terms", terms_of(candidates)}};
 }
 
 /// Stones as they were seen, with the standard deviations of their poses (mm along x, y, z; deg), and the
@@ -317,7 +387,7 @@ void add_events(json& page, const RunReport& report, const Catalogue& catalogue,
       towers.push_back(tower);
       why.clear();
     } else if (const auto* chosen = std::get_if<ActionChosen>(&event)) {
-      decisions.push_back(decision_entry(*chosen, catalogue, time, why));
+      decisions.push_back(decision_entry(*chosen, catalogue, time, from));
       why.clear();
     } else if (!text.empty()) {
       why.push_back(text);

@@ -32,6 +32,7 @@ struct PagePosition {
   std::size_t samples = 0;                    ///< number of samples of the timeline
   std::size_t events = 0;                     ///< number of events
   std::vector<std::string> why;               ///< log lines since the last decision
+  std::vector<StoneIndex> planned;            ///< stone that was chosen last, then those planned to follow it
   std::map<std::string, std::string> values;  ///< by name, what the page shows
 };
 /// Changes since `from`, which moves on: the lists `samples`, `views`, `towers`, `decisions` and

@@ -1,7 +1,11 @@
 #pragma once
+#include <cstddef>
 
 // Constants of this room, with unit and source: numbers that nothing needs to set.
 namespace stonestack::search {
+
+/// Alternatives that are kept for each stone of a plan, for reports: with the chosen one, six. Design choice.
+inline constexpr std::size_t kMaxAlternatives = 5;
 
 // Equation (2)
 /// Area of a usual support polygon, m^2: A_ref / A. Design choice.

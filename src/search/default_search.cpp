@@ -1,7 +1,9 @@
 #include "search/default_search.hpp"
 
 #include <algorithm>
+#include <tuple>
 
+#include "search/constants.hpp"
 #include "search/orientations.hpp"
 #include "search/tower_search.hpp"
 #include "stonestack/core/error.hpp"
@@ -35,6 +37,37 @@ std::vector<int> ranked_firsts(const TowerTree& tree, double friction) {
   return order;
 }
 
+/// Other children of a node's parent, without those in `chosen`: the likeliest to lead to the top first, then
+/// those that were dropped, then what did not come to rest.
+std::vector<Alternative> compared_with(const TowerSearch& search, int parent, const std::vector<int>& chosen,
+                                       double friction) {
+  const TowerTree& tree = search.tree();
+  struct Ranked {
+    std::tuple<bool, bool, int, double> rank;
+    int node = 0;
+  };
+  std::vector<Ranked> others;
+  for (const int k : tree.children(parent)) {
+    if (std::find(chosen.begin(), chosen.end(), k) != chosen.end()) continue;
+    const TowerNode& node = tree.node(k);
+    const bool alive = node.trial.alive;
+    others.push_back(
+        {{alive, node.predicted, tree.reach(k), alive ? tree.chance(k, friction) : node.trial.score}, k});
+  }
+  std::stable_sort(others.begin(), others.end(),
+                   [](const Ranked& p, const Ranked& q) { return p.rank > q.rank; });
+  others.resize(std::min(others.size(), kMaxAlternatives));
+  std::vector<Alternative> list;
+  for (const Ranked& other : others) {
+    Alternative& one = list.emplace_back(alternative_of(tree.node(other.node).trial));
+    one.expected_height = tree.expected_height(other.node);
+  }
+  for (const TowerSearch::Dropped& dropped : search.dropped())
+    if (dropped.below == parent && list.size() < kMaxAlternatives)
+      list.push_back(alternative_of(dropped.trial));
+  return list;
+}
+
 /// Not all first placements were judged and predicted while the towers grew: the best `wanted` are now.
 void know_firsts(const SearchContext& context, TowerSearch& search, std::size_t wanted) {
   const TowerTree& tree = search.tree();
@@ -60,27 +93,37 @@ void know_best(const SearchContext& context, TowerSearch& search) {
   }
 }
 
-/// The best first placements with what is planned on them, best first.
-std::vector<Placement> collected(const SearchContext& context, TowerSearch& search) {
+/// First placements.
+struct Collected {
+  std::vector<Placement> best;      ///< with what is planned on them, best first
+  std::vector<Alternative> others;  ///< known beside them
+};
+
+Collected collected(const SearchContext& context, TowerSearch& search) {
   const auto wanted = static_cast<std::size_t>(context.options->alternatives);
   const double friction = context.options->friction;
   know_firsts(context, search, wanted);
   know_best(context, search);
-  std::vector<Placement> list;
-  for (const int k : ranked_firsts(search.tree(), friction)) {
-    const TowerNode& node = search.tree().node(k);
-    if (!node.predicted || list.size() == wanted) continue;
+  const TowerTree& tree = search.tree();
+  Collected found;
+  std::vector<int> taken;
+  for (const int k : ranked_firsts(tree, friction)) {
+    const TowerNode& node = tree.node(k);
+    if (!node.predicted || found.best.size() == wanted) continue;
     Placement placement = node.trial.placement;
-    placement.terms["plan_levels"] = search.tree().reach(k);
-    placement.terms["plan_chance"] = search.tree().chance(k, friction);
-    placement.expected_height = search.tree().expected_height(k);
-    for (const int above : search.tree().best_path_from(k)) {
-      const TowerNode& next = search.tree().node(above);
+    placement.terms["plan_levels"] = tree.reach(k);
+    placement.terms["plan_chance"] = tree.chance(k, friction);
+    placement.expected_height = tree.expected_height(k);
+    for (const int above : tree.best_path_from(k)) {
+      const TowerNode& next = tree.node(above);
       placement.then.push_back({next.trial.stone, next.trial.placement.T_W_O});
+      placement.then_compared.push_back(compared_with(search, next.parent, {above}, friction));
     }
-    list.push_back(std::move(placement));
+    found.best.push_back(std::move(placement));
+    taken.push_back(k);
   }
-  return list;
+  found.others = compared_with(search, 0, taken, friction);
+  return found;
 }
 
 /// Can the arm build the whole plan, one stone after the other?
@@ -103,6 +146,8 @@ Placement turned(const SearchContext& context, const Placement& first, int yaw) 
                 Eigen::Translation3d(-p_W) * first.T_W_O;
   other.support = {};
   for (PlacedStone& above : other.then) above.T_W_O = other.T_W_O * first.T_W_O.inverse() * above.T_W_O;
+  for (auto& compared : other.then_compared)
+    for (Alternative& above : compared) above.T_W_O = other.T_W_O * first.T_W_O.inverse() * above.T_W_O;
   return other;
 }
 
@@ -137,7 +182,7 @@ SearchResult follow_plan(const SearchContext& context, std::span<const PlacedSto
     result.reason = followed.reason;
     result.unreachable = search.unreachable();
     if (followed.whole) {
-      result.best = collected(context, search);
+      result.best = collected(context, search).best;
       // The closer prediction may have dropped a later stone.
       if (!result.best.empty() && result.best.front().then.size() + 1 < plan.size()) result.best.clear();
       if (!result.best.empty()) result.reason.clear();
@@ -172,12 +217,14 @@ SearchResult default_search(const SearchContext& context) {
         }
         return collected(context, search);
       };
-      result.best =
+      Collected found =
           look_for(problem.known_route_only ? TowerSearch::Routes::kFoundBefore : TowerSearch::Routes::kAll);
       // The known route led to the top, but failed the closer prediction.
-      if (result.best.empty() && !problem.known_route.empty() && !problem.known_route_only &&
+      if (found.best.empty() && !problem.known_route.empty() && !problem.known_route_only &&
           !context.out_of_time() && !interrupt_noted())
-        result.best = look_for(TowerSearch::Routes::kNew);
+        found = look_for(TowerSearch::Routes::kNew);
+      result.best = std::move(found.best);
+      result.others = std::move(found.others);
       // On the table a stone may be turned about the vertical, which changes nothing but what the arm meets.
       const bool may_turn = context.stack.stones.empty() && problem.reachable != nullptr;
       const std::vector<Placement> plain = may_turn ? result.best : std::vector<Placement>();

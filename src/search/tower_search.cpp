@@ -178,12 +178,12 @@ bool TowerSearch::predict_path(int node) {
 void TowerSearch::drop_fallen(std::span<const int> nodes) {
   for (const int k : nodes) {
     if (tree_.node(k).trial.alive) continue;
-    dropped_.push_back({tree_.node(k).level, tree_.node(k).trial});
+    dropped_.push_back({tree_.node(k).level, tree_.node(k).trial, -1});
     for (const int above : tree_.subtree(k)) {
       TowerNode& node = tree_.node(above);
       node.trial.alive = false;
       node.trial.outcome = "stands on a stone that was dropped";
-      dropped_.push_back({node.level, node.trial});
+      dropped_.push_back({node.level, node.trial, -1});
     }
   }
 }
@@ -246,7 +246,7 @@ void TowerSearch::grow(std::span<const int> nodes) {
     if (trial.alive)  // beyond the friction it is no longer the reserve that decides
       tree_.add(made[k].node, trial, promise(trial));
     else
-      dropped_.push_back({tree_.node(made[k].node).level + 1, std::move(trial)});
+      dropped_.push_back({tree_.node(made[k].node).level + 1, std::move(trial), made[k].node});
   }
 }
 

@@ -51,6 +51,7 @@ class TowerSearch {
   struct Dropped {
     int level = 0;
     Trial trial;
+    int below = -1;  ///< node that it did not come to rest on; -1: it is a node itself
   };
   [[nodiscard]] const std::vector<Dropped>& dropped() const { return dropped_; }
   /// Proposals for the next stone on a node's tower, best first, not settled: what the arm reaches.

@@ -175,6 +175,13 @@ Trial judged_trial(const SearchContext& context, const Stack& below, Trial trial
   return trial;
 }
 
+Alternative alternative_of(const Trial& trial) {
+  const Placement& placement = trial.placement;
+  Alternative other{trial.stone, placement.T_W_O, placement.cost, placement.terms, 0.0, 0.0, trial.outcome};
+  if (trial.worlds > 0) other.predicted_success = placement.predicted_success;
+  return other;
+}
+
 std::vector<Trial> predicted_trials(const SearchContext& context, std::span<const Candidate> candidates,
                                     int worlds) {
   struct Task {

@@ -32,6 +32,9 @@ struct Trial {
 /// @return the trial, dropped with the reason if the stack does not stand.
 [[nodiscard]] Trial judged_trial(const SearchContext& context, const Stack& below, Trial trial);
 
+/// A trial that was not taken, for reports.
+[[nodiscard]] Alternative alternative_of(const Trial& trial);
+
 /// A trial that was judged, and the stack it is put on.
 struct Candidate {
   const Stack* below = nullptr;

@@ -113,7 +113,8 @@ NextStep choose_with_motion(Workcell& w, StateWriter& states, Known& known) {
   for (;;) {
     states.write(known);
     auto [action, memory, why] = decide(w, known, w.emit);
-    w.emit(ActionChosen{action, memory.search ? memory.search->found.best : std::vector<Placement>{}});
+    const SearchResult found = memory.search ? memory.search->found : SearchResult{};
+    w.emit(ActionChosen{action, found.best, found.others});
     if (std::holds_alternative<Stop>(action)) return {action, memory, {}};
     MotionPlan plan = plan_motion(w, known.world, action, memory);
     if (plan.found) return {std::move(action), std::move(memory), std::move(plan)};

@@ -89,8 +89,11 @@ double expected_stones(const WallPlan& plan) {
 /// The first stone of a plan, with those that follow it.
 Placement first_of(const WallPlan& plan) {
   Placement first = plan.placements.front().placement;
-  for (std::size_t k = 1; k < plan.placements.size(); ++k)
-    first.then.push_back({plan.placements[k].placement.stone, plan.placements[k].placement.T_W_O});
+  for (std::size_t k = 1; k < plan.placements.size(); ++k) {
+    const WallPlacement& next = plan.placements[k];
+    first.then.push_back({next.placement.stone, next.placement.T_W_O});
+    first.then_compared.push_back(next.alternatives);
+  }
   first.expected_height = expected_stones(plan);
   return first;
 }
@@ -109,6 +112,7 @@ SearchOutcome outcome_of(const WallPlan& plan, const RunMemory& memory, std::siz
   outcome.wall->T_W_V = plan.T_W_V;
   for (const WallPlacement& next : plan.placements) outcome.wall->course[next.placement.stone] = next.course;
   outcome.found.best = {first_of(plan)};
+  outcome.found.others = plan.placements.front().alternatives;
   return outcome;
 }
 
@@ -130,7 +134,9 @@ std::optional<SearchOutcome> rest_that_holds(const Situation& s, const RunMemory
     return std::nullopt;
   }
   s.emit(PlanHolds{options.friction});
-  return outcome_of(plan, memory, level, route);
+  SearchOutcome outcome = outcome_of(plan, memory, level, route);
+  add_compared(s, *memory.plan, outcome.found);
+  return outcome;
 }
 
 }  // namespace

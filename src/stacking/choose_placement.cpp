@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "search/parallel.hpp"
@@ -129,6 +130,7 @@ struct FrictionSearch {
           expected_over_frictions(problem, found.best.front(), level) < s.options.sure_success * levels)
         break;
       s.emit(PlanHolds{search.friction});
+      add_compared(s, *memory.plan, found);
       SearchOutcome outcome;
       outcome.found = std::move(found);
       outcome.friction_level = level;
@@ -369,6 +371,25 @@ std::vector<PlacedStone> rest_of_plan(const Situation& s, const std::optional<Fo
   std::vector<PlacedStone> rest = last.then;
   for (PlacedStone& next : rest) next.T_W_O = moved * next.T_W_O;
   return rest;
+}
+
+void add_compared(const Situation& s, const FollowedPlan& plan, SearchResult& found) {
+  if (found.best.empty()) return;
+  const Placement& last = plan.placement;
+  const auto& stack = s.arrangement.stack;
+  std::vector<std::vector<Alternative>> compared = last.then_compared;
+  const bool was_placed = !stack.empty() && stack.back().stone == last.stone;
+  if (!was_placed) compared.insert(compared.begin(), plan.compared);
+  if (was_placed && !s.models.wall) {
+    const Pose moved = stack.back().T_W_O * last.T_W_O.inverse();
+    for (auto& list : compared)
+      for (Alternative& other : list) other.T_W_O = moved * other.T_W_O;
+  }
+  Placement& next = found.best.front();
+  if (compared.size() != next.then.size() + 1) return;
+  found.others = std::move(compared.front());
+  next.then_compared.assign(std::make_move_iterator(compared.begin() + 1),
+                            std::make_move_iterator(compared.end()));
 }
 
 Situation make_situation(const WorldEstimate& world, const Models& models, const BuildOptions& options,

@@ -14,6 +14,7 @@ namespace {
 constexpr double kStillUp = 0.9;    // cosine (26 deg) between the ups of a stone as set down and as seen
 constexpr double kPushed = 0.010;   // m: a stone that moved less was not pushed
 constexpr double kMaxBias = 0.008;  // m: a stone that came to rest further off has slid
+constexpr std::ptrdiff_t kMaxCompared = 5;  // alternatives to a placement, for reports
 
 using Outcome = PlacementRecord::Outcome;
 using Status = ExecutionResult::Status;
@@ -26,6 +27,23 @@ const StoneEstimate* find(const std::vector<StoneEstimate>& stones, StoneIndex s
 
 void erase(std::vector<StoneEstimate>& stones, StoneIndex stone) {
   std::erase_if(stones, [&](const StoneEstimate& s) { return s.stone == stone; });
+}
+
+/// Alternatives that a search had to the placement that is carried out, best first.
+std::vector<Alternative> compared_with(const Placement& chosen, const SearchResult& found) {
+  std::vector<Alternative> list;
+  for (const Placement& other : found.best)
+    if (other.stone != chosen.stone || !other.T_W_O.isApprox(chosen.T_W_O, 1e-9))
+      list.push_back({other.stone,
+                      other.T_W_O,
+                      other.cost,
+                      other.terms,
+                      other.predicted_success,
+                      other.expected_height,
+                      {}});
+  list.insert(list.end(), found.others.begin(), found.others.end());
+  if (std::ssize(list) > kMaxCompared) list.erase(list.begin() + kMaxCompared, list.end());
+  return list;
 }
 
 /// Drops what holds for one world only.
@@ -301,15 +319,16 @@ RunMemory remember(RunMemory memory, const WorldEstimate& world, const Action& a
     note_view(memory, *view);
     return memory;
   }
-  const FollowedPlan followed{plan.placement, world.stack.size(),
-                              memory.search ? memory.search->friction_level : 0,
-                              memory.search ? memory.search->route : Route::kDirect};
+  FollowedPlan followed{plan.placement, world.stack.size(), memory.search ? memory.search->friction_level : 0,
+                        memory.search ? memory.search->route : Route::kDirect};
+  if (std::holds_alternative<Reorient>(action))
+    followed.placement = plan.followed;  // to be gone on with when the stone lies there
+  if (memory.search) followed.compared = compared_with(followed.placement, memory.search->found);
   if (std::holds_alternative<Place>(action)) {
-    memory.plan = followed;
+    memory.plan = std::move(followed);
   } else if (std::holds_alternative<Reorient>(action)) {
     ++memory.reoriented;
-    memory.plan = followed;  // to be gone on with when the stone lies there
-    memory.plan->placement = plan.followed;
+    memory.plan = std::move(followed);
   } else if (std::holds_alternative<Push>(action)) {
     ++memory.pushed;
   } else {
@@ -327,6 +346,7 @@ RunMemory remember(RunMemory memory, const WorldEstimate& world, const Action& a
   if (memory.search && memory.search->wall) memory.wall = memory.search->wall;
   forget_world(memory);
   Attempt attempt{action, done, plan.placement, plan.pick_and_place.T_O_T, plan.p_W_aim, {}, 0, {}, {}};
+  attempt.placement.then_compared.clear();  // kept with the plan
   attempt.below = at_rest(world).stack;
   if (memory.wall && std::holds_alternative<Place>(action))
     attempt.course = memory.wall->course.at(plan.placement.stone) + 1;

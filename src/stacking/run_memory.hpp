@@ -35,6 +35,8 @@ struct FollowedPlan {
   std::size_t stack_before = 0;    ///< stones
   std::size_t friction_level = 0;  ///< of the assumed frictions, which the search had
   Route route = Route::kDirect;    ///< that the search counted on
+  /// Alternatives to `placement`, best first; to what follows it: `placement.then_compared`.
+  std::vector<Alternative> compared = {};
 };
 
 /// The wall as it was planned last.

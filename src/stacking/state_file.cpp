@@ -80,13 +80,27 @@ struct Writer {
     });
   }
   [[nodiscard]] json placement(const Placement& p) const {
-    return {{"stone", name(p.stone)},
-            {"T_W_O", pose_json(p.T_W_O)},
-            {"cost", p.cost},
-            {"terms", p.terms},
-            {"predicted_success", p.predicted_success},
-            {"expected_height", p.expected_height},
-            {"then", placed_list(p.then)}};
+    json j{{"stone", name(p.stone)},
+           {"T_W_O", pose_json(p.T_W_O)},
+           {"cost", p.cost},
+           {"terms", p.terms},
+           {"predicted_success", p.predicted_success},
+           {"expected_height", p.expected_height},
+           {"then", placed_list(p.then)}};
+    if (!p.then_compared.empty())
+      j["then_compared"] = list_json(p.then_compared, [&](const auto& list) { return alternatives(list); });
+    return j;
+  }
+  [[nodiscard]] json alternatives(const std::vector<Alternative>& list) const {
+    return list_json(list, [&](const Alternative& a) {
+      return json{{"stone", name(a.stone)},
+                  {"T_W_O", pose_json(a.T_W_O)},
+                  {"cost", a.cost},
+                  {"terms", a.terms},
+                  {"predicted_success", a.predicted_success},
+                  {"expected_height", a.expected_height},
+                  {"why_not", a.why_not}};
+    });
   }
   [[nodiscard]] json placements(const std::vector<Placement>& list) const {
     return list_json(list, [&](const Placement& p) { return placement(p); });
@@ -141,6 +155,7 @@ struct Writer {
            {"graspable", stones({s.graspable.begin(), s.graspable.end()})},
            {"refused", s.refused},
            {"refusals", s.refusals}};
+    if (!s.found.others.empty()) j["others"] = alternatives(s.found.others);
     if (s.wall) j["wall"] = wall(*s.wall);
     if (s.dead_end)
       j["dead_end"] = {{"end", static_cast<int>(s.dead_end->end)}, {"reason", s.dead_end->reason}};
@@ -173,7 +188,20 @@ struct Reader {
     p.predicted_success = j.at("predicted_success").get<double>();
     p.expected_height = j.at("expected_height").get<double>();
     p.then = placed_list(j.at("then"));
+    if (j.contains("then_compared"))
+      p.then_compared = list_of(j.at("then_compared"), [&](const json& list) { return alternatives(list); });
     return p;
+  }
+  [[nodiscard]] std::vector<Alternative> alternatives(const json& j) const {
+    return list_of(j, [&](const json& a) {
+      return Alternative{stone(a.at("stone")),
+                         pose_of(a.at("T_W_O")),
+                         a.at("cost").get<double>(),
+                         a.at("terms").get<std::map<std::string, double>>(),
+                         a.at("predicted_success").get<double>(),
+                         a.at("expected_height").get<double>(),
+                         a.at("why_not").get<std::string>()};
+    });
   }
   template <class F>
   [[nodiscard]] auto by_stone(const json& j, const F& one) const {
@@ -239,6 +267,7 @@ struct Reader {
   [[nodiscard]] SearchOutcome search(const json& j) const {
     SearchOutcome s;
     s.found.best = list_of(j.at("found"), [&](const json& p) { return placement(p); });
+    if (j.contains("others")) s.found.others = alternatives(j.at("others"));
     s.found.reason = j.at("reason").get<std::string>();
     s.friction_level = j.at("friction_level").get<std::size_t>();
     s.route = route_of(j.at("route"));
@@ -326,7 +355,8 @@ json memory_json(const RunMemory& m, const Writer& w) {
     j["plan"] = {{"placement", w.placement(m.plan->placement)},
                  {"stack_before", m.plan->stack_before},
                  {"friction_level", m.plan->friction_level},
-                 {"route", text(m.plan->route)}};
+                 {"route", text(m.plan->route)},
+                 {"compared", w.alternatives(m.plan->compared)}};
   if (m.wall) j["wall"] = w.wall(*m.wall);
   if (m.failure) j["failure"] = {{"end", static_cast<int>(m.failure->end)}, {"reason", m.failure->reason}};
   if (m.unstacking) {
@@ -368,10 +398,12 @@ RunMemory memory_of(const json& j, const Reader& r) {
   m.sought_beside_site = j.at("sought_beside_site").get<int>();
   m.stray_stays = j.at("stray_stays").get<bool>();
   m.stack_stays = j.at("stack_stays").get<bool>();
-  if (j.contains("plan"))
+  if (j.contains("plan")) {
     m.plan = FollowedPlan{
         r.placement(j.at("plan").at("placement")), j.at("plan").at("stack_before").get<std::size_t>(),
         j.at("plan").at("friction_level").get<std::size_t>(), route_of(j.at("plan").at("route"))};
+    if (j.at("plan").contains("compared")) m.plan->compared = r.alternatives(j.at("plan").at("compared"));
+  }
   if (j.contains("wall")) m.wall = r.wall(j.at("wall"));
   if (j.contains("failure"))
     m.failure = Failure{static_cast<RunEnd>(j.at("failure").at("end").get<int>()),

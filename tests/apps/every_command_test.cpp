@@ -35,11 +35,13 @@ TEST_F(EveryCommand, HasHelpWithAnExample) {
   }
 }
 
-TEST_F(EveryCommand, OffersJson) {
+TEST_F(EveryCommand, OffersJsonAndLoudness) {
   for (const std::string& command : listed_commands(run("--help").out)) {
     if (command == "config" || command == "completion")
       continue;  // `config show` does; the other is a script
-    EXPECT_THAT(run(command + " --help").out, HasSubstr("--json")) << command;
+    const std::string help = run(command + " --help").out;
+    for (const char* option : {"--json", "-q,--quiet", "-v,--verbose"})
+      EXPECT_THAT(help, HasSubstr(option)) << command;
   }
 }
 
@@ -62,6 +64,9 @@ TEST_F(EveryCommand, RefusesBadUsageWithExitCode2) {
       {"run --method best", "--method"},
       {"run --view-port 80", "--view"},
       {"run -q -v", "--quiet"},
+      {"run --wall 4+x", "--wall '4+x': '4+' is not a number; expected 4+3+2+1"},
+      {"run --bridge abc", "--bridge 'abc'"},
+      {"config shwo", "did you mean show"},
       {"decide", "state is required"},
       {"inspect", "run is required"},
       {"replay", "run is required"},
@@ -81,6 +86,8 @@ TEST_F(EveryCommand, RefusesBadUsageWithExitCode2) {
       {"config show --set search.friction=9", "search.friction must be in"},
   };
   for (const auto& [arguments, part] : wrong) expect_refusal(arguments, 2, {part});
+  expect_refusal("run --wall nowhere.yaml", 3, {"nowhere.yaml"});
+  EXPECT_FALSE(fs::exists(folder_ + "/runs")) << "what is refused leaves no folder";
 }
 
 /// Which command each schema is from (docs/formats.md). The slow ones have tests of their own: `run` and

@@ -9,8 +9,9 @@ using ::testing::Not;
 
 class FirstDayCommand : public Commands {
  protected:
-  [[nodiscard]] json result(const std::string& run) const {
-    return json::parse(read_file(folder_ + "/" + run + "/result.json", 1 << 24), nullptr, false);
+  [[nodiscard]] json result(const std::string& run) const { return read(run + "/result.json"); }
+  [[nodiscard]] json read(const std::string& name) const {
+    return json::parse(read_file(folder_ + "/" + name, 1 << 24), nullptr, false);
   }
 };
 
@@ -79,6 +80,31 @@ TEST_F(FirstDayCommand, RearmRefusesWithoutACell) {
   expect_refusal("rearm nowhere.yaml", 3, {"nowhere.yaml"});
   write("lab.yaml", "arm: {address: 127.0.0.1, dashboard_port: 1}\n");
   expect_refusal("rearm lab.yaml", 6, {"127.0.0.1:1"});
+}
+
+TEST_F(FirstDayCommand, SetupAndRearmAnswerInJson) {
+  write("served.yaml",
+        "simulate: true\nsimulators:\n"
+        "  arm: {address: 127.0.31.7, standard_ports: true, faults: {protective_stop_at: 0}}\n");
+  const Outcome ended = shell(concat(
+      "cd ", folder_, " && { ", program_,
+      " simulate --cell served.yaml --only arm --per-run 1 --seconds 120 >served 2>served_err & server=$!; ",
+      "for i in $(seq 600); do grep -q 'UR controller' served && break; sleep 0.1; done; ", program_,
+      " setup lab.yaml --address 127.0.31.7 --gripper robotiq-2f-85 --json >setup.json 2>err && ", program_,
+      " rearm lab.yaml --yes --json >rearm.json 2>>err; code=$?; kill -INT $server; wait $server; "
+      "(exit $code); }"));
+  ASSERT_EQ(ended.code, 0) << ended.err;
+  const json setup = read("setup.json"), rearm = read("rearm.json");
+  EXPECT_EQ(setup.value("schema", ""), "stonestack.setup/1") << setup;
+  EXPECT_EQ(setup.value("cell", ""), "lab.yaml");
+  EXPECT_EQ(setup.value("robot", ""), "ur10");
+  EXPECT_TRUE(setup.contains("notes"));
+  EXPECT_EQ(rearm.value("schema", ""), "stonestack.rearm/1") << rearm;
+  EXPECT_EQ(rearm["before"].value("safety", ""), "PROTECTIVE_STOP");
+  EXPECT_EQ(rearm["after"].value("safety", ""), "NORMAL");
+  EXPECT_THAT(rearm["steps"], testing::Contains("unlock the protective stop"));
+  EXPECT_THAT(ended.err, AllOf(HasSubstr("lab.yaml is written"), HasSubstr("motions are allowed")))
+      << "what a person reads is on stderr then";
 }
 
 }  // namespace

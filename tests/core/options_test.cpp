@@ -67,6 +67,17 @@ TEST(Options, SuggestsTheWholeNameWhereTheGroupWasLeftOut) {
   }
 }
 
+TEST(Options, ANameThatTwoListsHaveIsOfferedOnce) {
+  Sample first, second;
+  try {
+    set_field(join({nest("search", fields(first)), nest("search", fields(second))}), "search.beem=2");
+    FAIL();
+  } catch (const InvalidArgument& error) {
+    EXPECT_THAT(error.what(), HasSubstr("did you mean search.beam"));
+    EXPECT_THAT(error.what(), testing::Not(HasSubstr("search.beam, search.beam")));
+  }
+}
+
 TEST(Options, AreForExpertsUnlessMarkedForUsers) {
   Sample sample;
   const FieldList list =

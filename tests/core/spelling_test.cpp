@@ -19,6 +19,7 @@ TEST(Spelling, CountsTheLettersThatDiffer) {
 TEST(Spelling, ASlipIsMeantAndAnotherWordIsNot) {
   const std::vector<std::string> commands{"search", "scan", "simulate", "check"};
   EXPECT_THAT(likely_meant(commands, "serch"), ElementsAre("search"));
+  EXPECT_THAT(likely_meant({"show", "init", "cell"}, "shwo"), ElementsAre("show")) << "neighbours swapped";
   EXPECT_THAT(likely_meant(commands, "sim"), ElementsAre("simulate")) << "the beginning of a name";
   EXPECT_THAT(likely_meant(commands, "frobnicate"), IsEmpty());
   EXPECT_THAT(likely_meant(commands, ""), IsEmpty());

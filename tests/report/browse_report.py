@@ -22,13 +22,13 @@ CHROMIUM_FLAGS = ["--headless=new", "--no-sandbox", "--disable-quic", "--no-firs
 class Browser:
     """A session of chromedriver."""
 
-    def __init__(self, profile):
+    def __init__(self, profile, flags=()):
         self.driver = subprocess.Popen(["chromedriver", "--port=0"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
         for line in self.driver.stdout:
             if port := re.search(r"successfully on port (\d+)", line):
                 self.address = f"http://127.0.0.1:{port.group(1)}"
                 break
-        options = {"binary": "/usr/bin/chromium", "args": CHROMIUM_FLAGS + [f"--user-data-dir={profile}"]}
+        options = {"binary": "/usr/bin/chromium", "args": CHROMIUM_FLAGS + [*flags, f"--user-data-dir={profile}"]}
         self.session = ""
         wanted = {"capabilities": {"alwaysMatch": {"goog:chromeOptions": options, "goog:loggingPrefs": {"browser": "ALL"}}}}
         self.session = "/session/" + self.call("POST", "/session", wanted)["sessionId"]
@@ -69,12 +69,25 @@ def check(holds, what):
         failures.append(what)
 
 
-def browse(browser, report, picture):
+def start(browser, report):
     browser.open(report.as_uri())
     deadline = time.monotonic() + 60
     while browser.run("return document.documentElement.dataset.ready") != "true" and time.monotonic() < deadline:
         time.sleep(0.2)
     check(browser.run("return document.documentElement.dataset.ready") == "true", "the page starts")
+
+
+def browse_without_webgl(browser, report):
+    start(browser, report)
+    check(browser.run("return document.querySelector('#view canvas') === null && document.querySelector('#view img').naturalWidth > 300"),
+          "a picture stands where WebGL is missing")
+    check(browser.run("return document.querySelectorAll('#decisions table tr.chosen').length > 0"), "decisions are listed there too")
+    browser.click("#decisions > li:first-child button.jump")
+    check(browser.run("return now < duration"), "a decision leads to its time there too")
+
+
+def browse(browser, report, picture):
+    start(browser, report)
     check(browser.run("return document.querySelectorAll('#view canvas').length") == 1, "the cell is drawn with WebGL")
     colours = browser.run("""
         const source = document.querySelector('#view canvas'), copy = document.createElement('canvas');
@@ -128,6 +141,24 @@ def browse(browser, report, picture):
         const p = points ? points.geometry.attributes.position : {count: 0};
         return scene.layers.cloud.visible && p.count > 500 && Array.from(p.array).every((x) => Math.abs(x) < 3)"""),
           "the points of the camera are a layer")
+    compared = browser.run("""
+        const places = run.decisions.filter((d) => d.candidates.some((c) => c.chosen));
+        return places.map((d) => d.candidates.length)""")
+    loose = browser.run("return run.present")
+    check(len(compared) >= placed and all(count == 6 for count in compared[:max(1, loose - 2)]),
+          f"the chosen placement stands beside the next five ({compared})")
+    check(browser.run("""
+        const tables = [...document.querySelectorAll('#decisions table')];
+        return tables.length > 0 && tables.every((table) => table.querySelectorAll('tr.chosen').length === 1 &&
+            [...table.querySelectorAll('tbody tr:not(.chosen)')].every((row) => row.children[1].textContent.length > 5))"""),
+          "each that was not chosen says why")
+    if browser.run("return run.decisions.some((d) => d.terms.includes('joint_cover'))"):
+        check(browser.run("""
+            const heads = [...document.querySelectorAll('#decisions th')].map((head) => head.textContent);
+            return ['course', 'joint cover mm', 'fill', 'margin g', 'worth'].every((name) => heads.includes(name))"""),
+              "a wall has the terms of its own")
+        check(browser.run("return run.towers.some((t) => t.centres.length > 2 && t.thrust.length >= 2 * t.centres.length)"),
+              "the thrust lines of a wall branch")
     browser.click("#layer-support")
     browser.run("show(run.decisions.find((d) => d.candidates.some((c) => c.chosen && c.support.length)).t)")
     check(browser.run("return scene.layers.support.visible && scene.layers.support.children.length > 0"),
@@ -144,7 +175,11 @@ def browse(browser, report, picture):
         const page = document.documentElement;
         return page.scrollWidth <= page.clientWidth"""), "nothing is cut off at the right")
     if picture:
-        browser.run("show(duration); document.querySelector('#layer-candidates').click(); document.querySelector('#layer-mass').click();")
+        browser.run("""
+            show(duration);
+            document.querySelector('#layer-candidates').click();
+            document.querySelector('#layer-mass').click();
+            document.querySelectorAll('#decisions details')[1].open = true;""")
         pathlib.Path(picture).write_bytes(base64.b64decode(browser.call("GET", "/screenshot")))
     check(browser.errors() == [], "the console shows no error")
 
@@ -154,12 +189,14 @@ def main():
     size = report.stat().st_size / 1e6
     check(size <= 6.0, f"{size:.2f} MB")
     check(not re.search(r"(src|href)\s*=\s*[\"']https?:", report.read_text()), "nothing is loaded from a network")
-    with tempfile.TemporaryDirectory() as profile:
-        browser = Browser(profile)
-        try:
-            browse(browser, report, sys.argv[2] if len(sys.argv) > 2 else None)
-        finally:
-            browser.close()
+    for flags, look in (((), lambda browser: browse(browser, report, sys.argv[2] if len(sys.argv) > 2 else None)),
+                        (("--disable-3d-apis",), lambda browser: browse_without_webgl(browser, report))):
+        with tempfile.TemporaryDirectory() as profile:
+            browser = Browser(profile, flags)
+            try:
+                look(browser)
+            finally:
+                browser.close()
     return 1 if failures else 0
 
 

@@ -157,6 +157,113 @@ TEST(RunPage, ShowsEveryDecisionWithWhatWasCompared) {
   EXPECT_DOUBLE_EQ(decisions[1]["t"], 2.0);
 }
 
+/// Placements of the first decision of a report with that decision.
+json decision_page(const ActionChosen& chosen) {
+  RunReport report = report_of_a_grasp(0_stone);
+  report.result.events.emplace_back(chosen);
+  report.result.timeline.event_time = {10.0, 10.5};
+  return json::parse(page_data(report, stones(), robot(), ""))["decisions"][0];
+}
+
+TEST(RunPage, ShowsSixPlacementsWhereAPlanIsFollowed) {
+  Placement next;
+  next.stone = 1_stone;
+  next.expected_height = 2.5;
+  next.then = {{2_stone, Pose::Identity()}};
+  ActionChosen chosen{Place{{next}}, {next}, {}};
+  for (int k = 0; k < 7; ++k) {
+    Alternative& other = chosen.others.emplace_back();
+    other.stone = 3_stone;
+    other.terms = {{"margin", 0.1}, {"area", 0.2}};
+    other.predicted_success = k == 0 ? 0.75 : 0.0;
+    if (k == 1) other.why_not = "falls too often";
+  }
+  const json decision = decision_page(chosen);
+  const json& shown = decision["candidates"];
+  ASSERT_EQ(shown.size(), 6U);
+  EXPECT_TRUE(shown[0]["chosen"]);
+  EXPECT_EQ(shown[1]["stone"], 3);
+  EXPECT_EQ(shown[1]["predicted"], 0.75);
+  EXPECT_EQ(shown[1]["margin"], 0.1);
+  EXPECT_EQ(shown[2]["why_not"], "falls too often");
+  EXPECT_TRUE(shown[3]["predicted"].is_null()) << "nobody tried it";
+  EXPECT_EQ(decision["terms"][0], "area");
+  EXPECT_THAT(decision["why"].back().get<std::string>(),
+              testing::AllOf(HasSubstr("compared with 5 others"), HasSubstr("2.50 stones are expected")));
+}
+
+TEST(RunPage, SaysThatAPlanIsFollowed) {
+  RunReport report = report_of_a_grasp(0_stone);
+  Placement first, second;
+  first.stone = 1_stone;
+  first.then = {{2_stone, Pose::Identity()}};
+  second.stone = 2_stone;
+  for (const Placement& next : {first, second})
+    report.result.events.emplace_back(ActionChosen{Place{{next}}, {next}, {Alternative{}}});
+  report.result.timeline.event_time = {10.0, 10.5, 11.5};
+  const json decisions = json::parse(page_data(report, stones(), robot(), ""))["decisions"];
+  EXPECT_THAT(decisions[0]["why"].back().get<std::string>(), testing::StartsWith("compared with 1 other"));
+  EXPECT_THAT(decisions[1]["why"].back().get<std::string>(), testing::StartsWith("next in the plan"));
+}
+
+TEST(RunPage, ShowsTheTermsOfAWall) {
+  Placement next;
+  next.stone = 1_stone;
+  next.terms = {{"course", 2.0}, {"joint_cover", 0.02}, {"worth", 3.0}, {"margin", 0.2}};
+  next.support.corners_W = {{0.0, 0.0, 0.1}, {0.1, 0.0, 0.1}, {0.0, 0.1, 0.1}};
+  const json decision = decision_page({Place{{next}}, {next}, {}});
+  EXPECT_EQ(decision["terms"], json({"course", "joint_cover", "worth"}));
+  EXPECT_EQ(decision["candidates"][0]["terms"]["joint_cover"], 0.02);
+  EXPECT_EQ(decision["candidates"][0]["support"].size(), 3U);
+}
+
+/// Two bricks side by side, and a third over their joint.
+WorldEstimate small_wall(const Catalogue& bricks) {
+  WorldEstimate world;
+  RestingStack& resting = world.resting.emplace_back();
+  resting.friction = 0.6;
+  resting.stack.emplace();
+  const std::vector<Eigen::Vector3d> places{{-0.055, 0.0, 0.025}, {0.055, 0.0, 0.025}, {0.0, 0.0, 0.075}};
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    resting.stack->stones.push_back({StoneIndex(static_cast<int>(k)), make_pose(places[k])});
+    world.stack.push_back({StoneIndex(static_cast<int>(k)), make_pose(places[k]), make_pose(places[k])});
+  }
+  EXPECT_EQ(bricks.stones.size(), places.size());
+  return world;
+}
+
+TEST(RunPage, DrawsForcesAndThrustLinesOfAWall) {
+  Catalogue bricks;
+  for (const char* name : {"left", "right", "upper"}) {
+    Stone& brick = bricks.stones.emplace_back();
+    brick.name = name;
+    brick.mesh = brick.scan = make_box({0.1, 0.06, 0.05});
+    brick.mass = mass_properties(brick.mesh, 2600.0);
+  }
+  RunReport report = report_of_a_grasp(0_stone);
+  report.result.events = {Observed{small_wall(bricks)}};
+  const json tower = json::parse(page_data(report, bricks, robot(), ""))["towers"][0];
+  EXPECT_EQ(tower["centres"].size(), 3U);
+  double on_table = 0.0, between = 0.0;
+  for (const json& contact : tower["contacts"])
+    (contact["p"][2] < 0.01 ? on_table : between) += contact["f"][2].get<double>();
+  const double weight = 2600.0 * 0.1 * 0.06 * 0.05 * 9.80665;
+  EXPECT_NEAR(on_table, 3.0 * weight, 0.02 * weight);
+  EXPECT_NEAR(between, weight, 0.15 * weight);
+  // Each lower brick to the table, and the upper one to both: to the centre of pressure and on from there.
+  ASSERT_EQ(tower["thrust"].size(), 6U);
+  int from_upper = 0, to_left = 0, to_right = 0;
+  for (const json& line : tower["thrust"]) {
+    ASSERT_EQ(line.size(), 2U);
+    from_upper += line[0] == tower["centres"][2] ? 1 : 0;
+    to_left += line[1] == tower["centres"][0] ? 1 : 0;
+    to_right += line[1] == tower["centres"][1] ? 1 : 0;
+  }
+  EXPECT_EQ(from_upper, 2);
+  EXPECT_EQ(to_left, 1);
+  EXPECT_EQ(to_right, 1);
+}
+
 TEST(RunPage, IsOneFileThatNoNameBreaks) {
   RunReport report = report_of_a_grasp(0_stone);
   report.result.placements.emplace_back();

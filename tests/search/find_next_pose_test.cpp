@@ -52,6 +52,29 @@ TEST(FindNextPose, APlanThatStillHoldsNeedsNoSearch) {
   EXPECT_EQ(followed.best.front().expected_height, followed.best.front().predicted_success);
 }
 
+TEST(FindNextPose, KeepsWhatItComparedForReports) {
+  const SearchResult found = find_next_pose(base_stands(), quick());
+  ASSERT_FALSE(found.best.empty()) << found.reason;
+  const auto check = [](const std::vector<Alternative>& others, const PlacedStone& chosen) {
+    EXPECT_LE(others.size(), 5U);
+    for (const Alternative& other : others) {
+      EXPECT_FALSE(other.stone == chosen.stone && other.T_W_O.isApprox(chosen.T_W_O)) << "the chosen one";
+      EXPECT_TRUE(!other.why_not.empty() || other.terms.contains("margin"));
+      EXPECT_TRUE(!other.why_not.empty() || other.predicted_success == 0.0 || other.predicted_success >= 0.5);
+    }
+  };
+  bool any = false;
+  for (const Placement& best : found.best) {
+    check(found.others, {best.stone, best.T_W_O});
+    ASSERT_EQ(best.then_compared.size(), best.then.size());
+    for (std::size_t k = 0; k < best.then.size(); ++k) {
+      check(best.then_compared[k], best.then[k]);
+      any = any || !best.then_compared[k].empty();
+    }
+  }
+  EXPECT_TRUE(any);
+}
+
 TEST(FindNextPose, APlanThatNoLongerHoldsHasAReason) {
   SearchProblem problem = base_stands();
   const SearchResult off =

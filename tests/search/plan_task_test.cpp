@@ -109,6 +109,11 @@ TEST(PlanTask, ABridgeIsTwoPiersAndAStoneOverTheGap) {
   EXPECT_NEAR(plan.metrics.spanned, 0.06, 1e-12);
   EXPECT_NEAR(plan.metrics.to_span, 0.06, 1e-12);
   EXPECT_GT(plan.metrics.margin, 0.02);
+  for (const WallPlacement& next : plan.placements) {
+    EXPECT_FALSE(next.alternatives.empty()) << "what was compared with it";
+    EXPECT_LE(next.alternatives.size(), 5U);
+    EXPECT_TRUE(next.placement.terms.contains("worth"));
+  }
 }
 
 TEST(PlanTask, AGapThatIsWiderThanAStoneIsSpannedByStonesThatReachOut) {

@@ -60,6 +60,26 @@ TEST(PlanWall, TwoBricksCarryTheThirdOverTheirJoint) {
   EXPECT_THAT(plan.placements[2].supports, UnorderedElementsAre(0, 1));
 }
 
+TEST(PlanWall, KeepsWhatWasComparedWithEachStone) {
+  for (const WallPlacement& next : three_bricks().placements) {
+    const Placement& chosen = next.placement;
+    EXPECT_EQ(chosen.terms.at("course"), next.course + 1);
+    for (const char* term : {"joint_cover", "fill", "off_height", "off_axis", "worth", "urgency", "margin"})
+      EXPECT_TRUE(chosen.terms.contains(term)) << term;
+    EXPECT_GE(chosen.support.corners_W.size(), 3U);
+    ASSERT_FALSE(next.alternatives.empty());
+    EXPECT_LE(next.alternatives.size(), 5U);
+    for (const Alternative& other : next.alternatives) {
+      EXPECT_FALSE(other.stone == chosen.stone && other.T_W_O.isApprox(chosen.T_W_O));
+      EXPECT_LT((other.T_W_O.translation() - chosen.T_W_O.translation()).norm(), 0.3)
+          << "in W, as the chosen one";
+      const auto rank = [](const auto& p) { return p.terms.at("worth") + p.terms.at("urgency"); };
+      EXPECT_TRUE(other.why_not != "" || rank(other) <= rank(chosen));
+    }
+  }
+  EXPECT_NEAR(three_bricks().placements[2].placement.terms.at("joint_cover"), 0.03, 1e-9) << "over the joint";
+}
+
 TEST(PlanWall, TheMiddleOfTheWallIsTheSite) {
   const WallPlan& plan = three_bricks();
   ASSERT_EQ(plan.placements.size(), 3U);

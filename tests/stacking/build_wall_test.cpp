@@ -66,8 +66,15 @@ TEST(BuildWall, PlacesTwoStonesAndAThirdOverTheirJoint) {
   EXPECT_THAT(courses, testing::ElementsAre(1, 1, 2));
 
   std::vector<std::string> in_run;
-  for (const ActionChosen& chosen : all_of<ActionChosen>(result.events))
+  for (const ActionChosen& chosen : all_of<ActionChosen>(result.events)) {
     in_run.push_back(name_of(chosen.action));
+    if (!std::holds_alternative<Place>(chosen.action)) continue;
+    EXPECT_EQ(chosen.others.size(), 5U) << "beside the chosen one, where a plan is followed too";
+    for (const Alternative& other : chosen.others)
+      EXPECT_TRUE(other.terms.contains("joint_cover") || !other.why_not.empty());
+    EXPECT_FALSE(chosen.offered.front().support.corners_W.empty());
+  }
+  EXPECT_FALSE(all_of<PlanHolds>(result.events).empty());
   EXPECT_EQ(test::decisions(run.states, run.catalogue, run.robot), in_run)
       << "saved states are decided as in the run";
 }

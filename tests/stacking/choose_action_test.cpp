@@ -202,6 +202,32 @@ TEST(StateFile, IsReadAsItWasWritten) {
   }
 }
 
+TEST(StateFile, KeepsWhatWasComparedWithAPlan) {
+  State state = read("place");
+  const Decision decision = decide(state);
+  const SearchResult& found = decision.memory.search->found;
+  Alternative other;
+  other.stone = found.best.front().stone;
+  other.terms = {{"margin", 0.125}};
+  other.predicted_success = 0.75;
+  other.why_not = "falls too often";
+  state.memory = decision.memory;
+  state.memory.search->found.others = {other};
+  state.memory.plan = FollowedPlan{found.best.front(), 1, 0, Route::kDirect, {other, other}};
+  state.memory.plan->placement.then_compared = {{other}, {}};
+  const std::string path = test::temporary_folder() + "state_compared.json";
+  write_state(path, state.world, state.memory, models(), state.options);
+  const RunMemory again = read_state(path, limestones()).memory;
+  std::filesystem::remove(path);
+  ASSERT_EQ(again.search->found.others.size(), 1U);
+  EXPECT_EQ(again.search->found.others[0].terms, other.terms);
+  ASSERT_EQ(again.plan->compared.size(), 2U);
+  EXPECT_EQ(again.plan->compared[1].why_not, other.why_not);
+  EXPECT_EQ(again.plan->compared[1].predicted_success, 0.75);
+  ASSERT_EQ(again.plan->placement.then_compared.size(), 2U);
+  EXPECT_EQ(again.plan->placement.then_compared[0][0].stone, other.stone);
+}
+
 TEST(StateFile, AFileThatIsNoStateIsRefusedByName) {
   const std::string path = test::temporary_folder() + "no_state.json";
   for (const char* text :

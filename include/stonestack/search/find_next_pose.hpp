@@ -73,6 +73,17 @@ struct SearchOptions {
 };
 [[nodiscard]] FieldList fields(SearchOptions& options);
 
+/// A placement that a search compared with the one that it took, for reports.
+struct Alternative {
+  StoneIndex stone = kNoStone;          ///< index into `SearchProblem::shapes`
+  Pose T_W_O = Pose::Identity();        ///< pose at which the stone rests
+  double cost = 0.0;                    ///< eq. (2)
+  std::map<std::string, double> terms;  ///< as those of a `Placement`
+  double predicted_success = 0.0;       ///< share of perturbed placements that stand; 0: not tried
+  double expected_height = 0.0;         ///< as that of a `Placement`
+  std::string why_not;                  ///< why it was dropped; empty: it may do, and ranked lower
+};
+
 /// A stone and the pose where it should go.
 struct Placement {
   StoneIndex stone = kNoStone;    ///< index into `SearchProblem::shapes`
@@ -84,6 +95,8 @@ struct Placement {
   /// How the search means to go on after it (default mode), and how many stones, this one included, it
   /// expects to stand in the end, each as likely as it was judged. 0 if it was not judged.
   std::vector<PlacedStone> then;
+  /// For each of `then` what the search compared with it, best first, at most five; empty where it did not.
+  std::vector<std::vector<Alternative>> then_compared;
   double expected_height = 0.0;  ///< stones that are expected to stand in the end, by this route
   SupportPolygon support;        ///< support polygon of the stone
 };
@@ -121,6 +134,7 @@ struct CandidateTrace {
 /// Result of a search for the next placement.
 struct SearchResult {
   std::vector<Placement> best;        ///< best first, over all stones; several so that motion can refuse some
+  std::vector<Alternative> others;    ///< other first placements, best first, at most five
   std::string reason;                 ///< when `best` is empty: why nothing was found
   long candidates = 0;                ///< poses evaluated
   int unreachable = 0;                ///< proposals that the arm could not bring about

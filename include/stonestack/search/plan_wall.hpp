@@ -73,6 +73,9 @@ struct WallPlacement {
   /// Stones that it rests on, counted in the order in which they are built, those that stand already first;
   /// empty: the table, or a support of the target.
   std::vector<int> supports;
+  /// Other stones and poses for the same place, best first, at most five; empty for a stone of an earlier
+  /// plan.
+  std::vector<Alternative> alternatives = {};
 };
 
 /// A wall that stands in part: the stack of the search problem.

@@ -137,6 +137,9 @@ struct UnstackToFree {
 struct ActionChosen {
   Action action;                   ///< action that was chosen
   std::vector<Placement> offered;  ///< placements that the search offered, best first
+  /// Placements that it compared with these and did not offer, best first; where an earlier plan is followed,
+  /// those that the search compared when it made the plan.
+  std::vector<Alternative> others = {};
 };
 
 // Motion and judgement

@@ -132,6 +132,11 @@ function fillHead() {
   fact(run.live ? 'running' : run.ended.replaceAll('_', ' '), 'end of the run');
 }
 
+const MILLIMETRES = ['joint_cover', 'off_height', 'off_axis'];
+const termLabel = (term) => term.replaceAll('_', ' ') + (MILLIMETRES.includes(term) ? ' mm' : '');
+const termText = (term, value) => (value !== undefined && MILLIMETRES.includes(term) ? fixed(1e3 * value, 0) : fixed(value, 2));
+const choice = (c) => (c.chosen ? 'chosen' : c.why_not || (c.predicted === null ? 'ranked lower, not tried' : 'ranked lower'));
+
 function fillDecisions() {
   for (const decision of run.decisions.slice($('decisions').childElementCount)) {  // those before stay open or shut
     const item = make('li');
@@ -145,10 +150,10 @@ function fillDecisions() {
       more.append(make('summary', `${decision.candidates.length} placement${decision.candidates.length > 1 ? 's' : ''} compared`), box);
       box.append(table);
       const terms = decision.terms;
-      fillTable(table, ['stone', 'predicted', 'expected height', 'margin g', 'cost', ...terms],
-          decision.candidates.map((c) => ({name: c.chosen ? 'chosen' : '', cells: [stoneName(c.stone),
+      fillTable(table, ['stone', 'choice', 'predicted', 'expected height', 'margin g', 'cost', ...terms.map(termLabel)],
+          decision.candidates.map((c) => ({name: c.chosen ? 'chosen' : '', long: 1, cells: [stoneName(c.stone), choice(c),
             fixed(c.predicted, 2), fixed(c.expected, 2), fixed(c.margin, 3), fixed(c.cost, 2),
-            ...terms.map((term) => fixed(c.terms[term], 2))]})));
+            ...terms.map((term) => termText(term, c.terms[term]))]})));
       item.append(more);
     }
     $('decisions').append(item);
@@ -252,7 +257,7 @@ function start() {
   }
   if (scene) {
     const labels = {detections: 'detections, standard deviations x 40', cloud: 'points that the camera saw', candidates: 'candidate poses', support: 'support polygon', contacts: 'contacts and forces',
-      mass: 'centres of mass and thrust line'};
+      mass: 'centres of mass and thrust lines'};
     for (const [name, group] of Object.entries(scene.layers)) addLayer(name, labels[name], group, false, scene.render);
   }
   $('play').addEventListener('click', () => play(!playing));

@@ -230,7 +230,7 @@ function makeScene(element, view = RUN_VIEW) {
           new THREE.LineBasicMaterial({color: 0xd0342c})));
     });
   };
-  // Contact points and forces of the tower as it came to rest, and the thrust line through them.
+  // Contact points and forces of the tower or wall as it came to rest, and the thrust lines through them.
   const showTower = (moment) => {
     clear(layers.contacts);
     clear(layers.mass);
@@ -250,9 +250,9 @@ function makeScene(element, view = RUN_VIEW) {
       ball.position.set(...centre);
       addOnTop(layers.mass, ball);
     }
-    if (moment.thrust.length > 1)
-      addOnTop(layers.mass, new THREE.Line(new THREE.BufferGeometry().setFromPoints(
-          moment.thrust.map((p) => new THREE.Vector3(...p))),
+    if (moment.thrust.length)
+      addOnTop(layers.mass, new THREE.LineSegments(new THREE.BufferGeometry().setFromPoints(
+          moment.thrust.flat().map((p) => new THREE.Vector3(...p))),
       new THREE.LineBasicMaterial({color: 0x1d5fa8})));
   };
 

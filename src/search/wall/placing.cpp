@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "physics/shape.hpp"
+#include "search/constants.hpp"
 #include "search/orientations.hpp"
 #include "search/parallel.hpp"
 #include "stonestack/core/clock.hpp"
@@ -31,6 +32,7 @@ WallState standing_state(const SearchContext& context, const WallBegun& begun) {
     const PlacedStone& stone = context.stack.stones[k];
     state.stones.push_back(standing(context, {stone.stone, T_V_W * stone.T_W_O}, begun.courses[k]));
     state.trials.emplace_back();
+    state.compared.emplace_back();
   }
   return state;
 }
@@ -59,10 +61,35 @@ Pose frame_of(const WallTarget& target, const Eigen::Vector2d& site, double midd
   return T_W_V * Eigen::Translation3d(-middle, 0.0, 0.0);
 }
 
-WallState with(const WallState& state, const Settled& next) {
+std::vector<Alternative> compared_in(const std::vector<Settled>& list, std::size_t chosen,
+                                     const std::vector<Alternative>& refused) {
+  std::vector<Alternative> others;
+  for (std::size_t k = 0; k < list.size() && others.size() < kMaxAlternatives; ++k)
+    if (k != chosen) others.push_back(alternative_of(list[k].trial));
+  for (std::size_t k = 0; k < refused.size() && others.size() < kMaxAlternatives; ++k)
+    others.push_back(refused[k]);
+  return others;
+}
+
+WallPlacement in_world(const Pose& T_W_V, WallPlacement placement,
+                       const std::shared_ptr<const std::vector<Alternative>>& compared) {
+  Placement& chosen = placement.placement;
+  chosen.T_W_O = T_W_V * chosen.T_W_O;
+  chosen.support.p_W_centroid = T_W_V * chosen.support.p_W_centroid;
+  chosen.support.n_W = T_W_V.linear() * chosen.support.n_W;
+  for (Eigen::Vector3d& corner : chosen.support.corners_W) corner = T_W_V * corner;
+  if (!compared) return placement;
+  placement.alternatives = *compared;
+  for (Alternative& other : placement.alternatives) other.T_W_O = T_W_V * other.T_W_O;
+  return placement;
+}
+
+WallState with(const WallState& state, const Settled& next, std::vector<Alternative> compared) {
   WallState higher = state;
   higher.stones.push_back(next.placed);
   higher.trials.push_back(next.trial);
+  higher.compared.push_back(
+      compared.empty() ? nullptr : std::make_shared<const std::vector<Alternative>>(std::move(compared)));
   return higher;
 }
 
@@ -74,8 +101,13 @@ bool Placing::is_reachable(const Placement& placement, const Stack& below_V) con
   return context_.problem->reachable(placement.stone, placement.T_W_O, below);
 }
 
+void Placing::refuse(Alternative other) {
+  if (refused.size() < kMaxAlternatives) refused.push_back(std::move(other));
+}
+
 std::vector<WallProposal> Placing::reachable(std::vector<WallProposal> list, const Stack& below,
                                              std::size_t keep) {
+  refused.clear();
   if (!context_.problem->reachable) {
     list.resize(std::min(list.size(), keep));
     return list;
@@ -89,8 +121,16 @@ std::vector<WallProposal> Placing::reachable(std::vector<WallProposal> list, con
     placement.T_W_O = *T_W_V_ * stone_pose(made.proposal.body);
     if (is_reachable(placement, below))
       kept.push_back(std::move(made));
-    else
+    else {
       ++unreachable;
+      refuse({placement.stone,
+              stone_pose(made.proposal.body),
+              0.0,
+              {},
+              0.0,
+              0.0,
+              "the arm does not bring it there"});
+    }
   }
   return kept;
 }
@@ -110,7 +150,10 @@ std::vector<Settled> Placing::settled(const Stack& below, const std::vector<Wall
     list[k].placed = placed_in_wall(*made.stone, *made.side, body.R_W_O, body.p_W_M, course);
   });
   for (const Settled& one : list)
-    if (!one.trial.alive) reason = one.trial.outcome;
+    if (!one.trial.alive) {
+      reason = one.trial.outcome;
+      refuse(alternative_of(one.trial));
+    }
   std::erase_if(list, [](const Settled& one) { return !one.trial.alive; });
   return list;
 }

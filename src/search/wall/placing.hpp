@@ -37,11 +37,15 @@ class Placing {
   [[nodiscard]] std::optional<Settled> as_planned(const WallState& state, const WallPlacement& planned,
                                                   bool ask);
 
+  /// Of the last proposals, those that the arm does not bring about, then those that did not come to rest in
+  /// balance; at most five.
+  std::vector<Alternative> refused;
   int judged = 0;       ///< stones
   int unreachable = 0;  ///< proposals that the arm could not bring about
   std::string reason;   ///< why the last stone was refused
 
  private:
+  void refuse(Alternative other);
   /// Can the arm bring the stone to that pose, in W, among those stones?
   [[nodiscard]] bool is_reachable(const Placement& placement, const Stack& below) const;
 
@@ -60,7 +64,14 @@ class Placing {
                                          const std::function<void(const std::string&)>& report);
 /// The frame of a structure in W, where its middle is `middle` along x from the origin of the frame [m].
 [[nodiscard]] Pose frame_of(const WallTarget& target, const Eigen::Vector2d& site, double middle);
-/// The state with one more stone.
-[[nodiscard]] WallState with(const WallState& state, const Settled& next);
+/// The best of `list` but the one at `chosen`, then what was `refused`: what was compared with that one.
+[[nodiscard]] std::vector<Alternative> compared_in(const std::vector<Settled>& list, std::size_t chosen,
+                                                   const std::vector<Alternative>& refused);
+/// A placement in the structure's frame, and what was compared with it, in W.
+[[nodiscard]] WallPlacement in_world(const Pose& T_W_V, WallPlacement placement,
+                                     const std::shared_ptr<const std::vector<Alternative>>& compared);
+/// The state with one more stone, and what was compared with it.
+[[nodiscard]] WallState with(const WallState& state, const Settled& next,
+                             std::vector<Alternative> compared = {});
 
 }  // namespace stonestack::search

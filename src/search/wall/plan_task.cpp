@@ -73,10 +73,8 @@ WallPlan plan_task(const SearchProblem& problem, const WallTarget& target, const
   for (std::size_t k = standing; k < best.stones.size(); ++k) {
     std::erase_if(upon[k], [&](int lower) { return lower < static_cast<int>(supports); });
     for (int& lower : upon[k]) lower -= static_cast<int>(supports);
-    WallPlacement placement{best.trials[k].placement, courses[k], upon[k]};
-    placement.placement.T_W_O = plan.T_W_V * placement.placement.T_W_O;
-    placement.placement.support = {};
-    plan.placements.push_back(std::move(placement));
+    plan.placements.push_back(
+        in_world(plan.T_W_V, {best.trials[k].placement, courses[k], upon[k]}, best.compared[k]));
   }
   if (!search.done()) plan.reason = placing.reason.empty() ? "no more stones are left" : placing.reason;
   plan.seconds = context.watch.seconds();

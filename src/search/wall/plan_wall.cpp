@@ -97,16 +97,24 @@ class WallSearch {
     keep(state);
     for (const WallPlacement& planned : rest_) {
       if (context_.out_of_time()) return false;
-      const auto next = placing_.as_planned(state, planned, state.stones.size() == start_.stones.size());
+      auto next = placing_.as_planned(state, planned, state.stones.size() == start_.stones.size());
       if (!next) return false;
+      if (const auto slot = slot_after(state); slot && slot->course == planned.course)
+        next->trial.placement.terms.merge(terms_in_slot(
+            *slot, next->placed,
+            worth_in_slot(*slot, next->placed, next->trial.margin, context_.options->friction)));
       state = with(state, *next);
       keep(state);
     }
     return !rest_.empty() && !slot_after(state);
   }
 
-  /// The stones that come to rest in a slot in balance, best first.
-  std::vector<Settled> settled(const WallState& state, const WallSlot& slot) {
+  /// Stones for a slot.
+  struct InSlot {
+    std::vector<Settled> list;         ///< come to rest in balance, best first
+    std::vector<Alternative> refused;  ///< do not, or cannot be brought there
+  };
+  InSlot settled(const WallState& state, const WallSlot& slot) {
     WallProposals proposals = wall_proposals(context_, state, slot, stones_);
     candidates_ += proposals.evaluated;
     const Stack below = state.stack();
@@ -119,10 +127,16 @@ class WallSearch {
     std::vector<Settled> list = placing_.settled(below, kept, slot.course);
     for (Settled& one : list)
       one.worth = worth_in_slot(slot, one.placed, one.trial.margin, context_.options->friction);
-    for (Settled& one : list) one.worth += urgency_[one.placed.stone] + random_.normal(0.0, variation_);
+    for (Settled& one : list) {
+      auto& terms = one.trial.placement.terms;
+      terms.merge(terms_in_slot(slot, one.placed, one.worth));
+      const double urgency = urgency_[one.placed.stone] + random_.normal(0.0, variation_);
+      terms["urgency"] = urgency;
+      one.worth += urgency;
+    }
     std::stable_sort(list.begin(), list.end(),
                      [](const Settled& p, const Settled& q) { return p.worth > q.worth; });
-    return list;
+    return {std::move(list), placing_.refused};
   }
 
   /// Worth of a wall: its stones where their number is given, else the length of its courses.
@@ -151,13 +165,14 @@ class WallSearch {
     keep(state);
     const std::optional<WallSlot> slot = slot_after(state);
     if (!slot) return true;
-    std::vector<Settled> list = settled(state, *slot);
+    auto [list, refused] = settled(state, *slot);
     std::size_t tried = 0;
-    for (Settled& next : list) {
+    for (std::size_t k = 0; k < list.size(); ++k) {
       if (out_of_tries() || tried == kTriedInSlot) return false;
-      if (!placing_.holds(state, next)) continue;
+      if (!placing_.holds(state, list[k])) continue;
       ++tried;
-      if (complete(with(state, next))) return true;
+      if (complete(with(state, list[k], compared_in(list, k, refused)))) return true;
+      list[k].trial.outcome = "the wall was not finished on it";
     }
     return false;
   }
@@ -166,11 +181,11 @@ class WallSearch {
   void grow(WallState state) {
     std::optional<WallSlot> slot = slot_after(state);
     while (slot && !out_of_tries()) {
-      std::vector<Settled> list = settled(state, *slot);
+      auto [list, refused] = settled(state, *slot);
       const auto next =
           std::find_if(list.begin(), list.end(), [&](Settled& one) { return placing_.holds(state, one); });
       if (next != list.end()) {
-        state = with(state, *next);
+        state = with(state, *next, compared_in(list, static_cast<std::size_t>(next - list.begin()), refused));
         keep(state);
         slot = slot_after(state);
         continue;
@@ -284,10 +299,8 @@ WallPlan plan_wall(const SearchProblem& problem, const WallTarget& target, const
   plan.T_W_V = search.frame().value_or(frame_of(target, problem.site, 0.5 * (left + right)));
   const std::vector<std::vector<int>> supports = rests_upon(context, best);
   for (std::size_t k = problem.stack.stones.size(); k < best.stones.size(); ++k) {
-    WallPlacement placement{best.trials[k].placement, best.stones[k].course, supports[k]};
-    placement.placement.T_W_O = plan.T_W_V * placement.placement.T_W_O;
-    placement.placement.support = {};
-    plan.placements.push_back(std::move(placement));
+    plan.placements.push_back(in_world(
+        plan.T_W_V, {best.trials[k].placement, best.stones[k].course, supports[k]}, best.compared[k]));
   }
   if (!search.is_whole()) plan.reason = search.reason();
   plan.seconds = context.watch.seconds();

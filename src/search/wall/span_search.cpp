@@ -325,7 +325,17 @@ std::vector<SpanSearch::Child> SpanSearch::children(const Node& node) {
   }
   run_tasks(context_.options->threads, list.size(),
             [&](std::size_t k) { list[k].value = value_of(with(node.state, list[k].next)); });
+  for (Child& child : list) child.next.trial.placement.terms["worth"] = child.value;
   return list;
+}
+
+std::vector<Alternative> SpanSearch::compared_with(const std::vector<Child>& children, std::size_t chosen) {
+  std::vector<Alternative> others;
+  for (std::size_t k = 0; k < children.size() && others.size() < kMaxAlternatives; ++k) {
+    if (k == chosen || children[k].parent != children[chosen].parent) continue;
+    others.push_back(alternative_of(children[k].next.trial));
+  }
+  return others;
 }
 
 std::vector<SpanSearch::Node> SpanSearch::next_beam(std::vector<Child> children, std::size_t width) {
@@ -333,11 +343,18 @@ std::vector<SpanSearch::Node> SpanSearch::next_beam(std::vector<Child> children,
                    [](const Child& p, const Child& q) { return p.value > q.value; });
   std::vector<Node> beam;
   std::vector<bool> used(children.size(), false);
+  std::vector<std::size_t> taken;  // of each of the beam
   std::size_t judged = 0;
+  const auto with_compared = [&] {
+    for (std::size_t k = 0; k < beam.size(); ++k)
+      beam[k].state = with(beam[k].parent->state, children[taken[k]].next, compared_with(children, taken[k]));
+    return std::move(beam);
+  };
   // First few of each parent, then any.
   for (const std::size_t of_parent : {kOfOneParent, width})
     for (std::size_t k = 0; k < children.size(); ++k) {
-      if (beam.size() == width || judged == kJudgedForEach * width || context_.out_of_time()) return beam;
+      if (beam.size() == width || judged == kJudgedForEach * width || context_.out_of_time())
+        return with_compared();
       Child& child = children[k];
       const auto same = std::count_if(beam.begin(), beam.end(),
                                       [&](const Node& node) { return node.parent == child.parent; });
@@ -350,8 +367,9 @@ std::vector<SpanSearch::Node> SpanSearch::next_beam(std::vector<Child> children,
       ++judged;
       if (!placing_.holds(child.parent->state, child.next)) continue;
       beam.push_back({with(child.parent->state, child.next), child.value, child.parent});
+      taken.push_back(k);
     }
-  return beam;
+  return with_compared();
 }
 
 void SpanSearch::keep(const Node& node) {

@@ -44,6 +44,9 @@ class SpanSearch {
 
   [[nodiscard]] std::vector<Place> places(const WallState& state) const;
   [[nodiscard]] std::vector<Child> children(const Node& node);
+  /// Other stones that were let down on the same structure.
+  [[nodiscard]] static std::vector<Alternative> compared_with(const std::vector<Child>& children,
+                                                              std::size_t chosen);
   [[nodiscard]] std::vector<Node> next_beam(std::vector<Child> children, std::size_t width);
   /// A beam search with beams of `width` structures, from the start.
   void search(std::size_t width);

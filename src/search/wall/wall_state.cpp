@@ -19,6 +19,14 @@ constexpr double kBroadTop =
 constexpr double kSquare = 2.0;     // worth of an outline that fills the rectangle along and across the wall
 constexpr double kTopSlope = 0.35;  // rad of the top's tilt that cost as much
 
+/// Distance [m] along the wall from the joints below to the nearest end of a stone.
+double joint_cover(const WallSlot& slot, const WallStonePlaced& placed) {
+  double clear = kCoverJoint;
+  for (const double joint : slot.joints)
+    clear = std::min({clear, std::abs(placed.reach.min.x() - joint), std::abs(placed.reach.max.x() - joint)});
+  return clear;
+}
+
 }  // namespace
 
 int stones_asked(const WallTarget& target) {
@@ -74,10 +82,17 @@ double worth_in_slot(const WallSlot& slot, const WallStonePlaced& placed, double
   worth -= std::abs(middle.y()) / kOffAxis;
   if (slot.centre) worth -= std::abs(middle.x() - *slot.centre) / kOffCentre;
   if (!slot.centre && std::isfinite(slot.from)) worth -= std::abs(placed.reach.min.x() - slot.from) / kOffGap;
-  double clear = kCoverJoint;
-  for (const double joint : slot.joints)
-    clear = std::min({clear, std::abs(placed.reach.min.x() - joint), std::abs(placed.reach.max.x() - joint)});
-  return worth + clear / kCoverJoint + kSquare * placed.square;
+  return worth + joint_cover(slot, placed) / kCoverJoint + kSquare * placed.square;
+}
+
+std::map<std::string, double> terms_in_slot(const WallSlot& slot, const WallStonePlaced& placed,
+                                            double worth) {
+  return {{"course", slot.course + 1},
+          {"joint_cover", joint_cover(slot, placed)},
+          {"fill", placed.square},
+          {"off_height", slot.carries ? std::abs(placed.top - slot.top) : 0.0},
+          {"off_axis", std::abs(0.5 * (placed.reach.min + placed.reach.max).y())},
+          {"worth", worth}};
 }
 
 double common_thickness(const std::vector<WallStone>& stones, const WallState& state) {

@@ -1,6 +1,8 @@
 #pragma once
 #include <functional>
 #include <limits>
+#include <map>
+#include <memory>
 
 #include "search/trial.hpp"
 #include "search/wall/wall_sides.hpp"
@@ -24,7 +26,9 @@ struct WallStonePlaced {
 struct WallState {
   std::vector<WallStonePlaced> stones;  ///< in the order in which they were placed
   std::vector<Trial> trials;            ///< of each
-  int closed = 0;                       ///< courses from the bottom in which no more stone fits
+  /// Alternatives to each, in the wall's frame; null where there were none.
+  std::vector<std::shared_ptr<const std::vector<Alternative>>> compared;
+  int closed = 0;  ///< courses from the bottom in which no more stone fits
   [[nodiscard]] Stack stack() const;
   [[nodiscard]] bool holds(StoneIndex stone) const;
   /// Indices of a course's stones, from the left.
@@ -48,6 +52,11 @@ struct WallSlot {
 /// @param firmness horizontal acceleration that it bears [g]
 [[nodiscard]] double worth_in_slot(const WallSlot& slot, const WallStonePlaced& placed, double firmness,
                                    double friction);
+/// Figures of a stone in a slot, for reports: `course` (from 1), `joint_cover` [m] from its ends to the
+/// nearest joint below, at most 30 mm, `fill` (share of the rectangle along and across the wall that it
+/// covers), `off_height` [m] of its top where a course comes on top, `off_axis` [m], `worth`.
+[[nodiscard]] std::map<std::string, double> terms_in_slot(const WallSlot& slot, const WallStonePlaced& placed,
+                                                          double worth);
 /// A stone in the wall's frame.
 [[nodiscard]] WallStonePlaced placed_in_wall(const WallStone& stone, const WallSide& side,
                                              const Eigen::Matrix3d& R_W_O, const Eigen::Vector3d& p_W_com,

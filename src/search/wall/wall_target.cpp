@@ -1,3 +1,4 @@
+#include <charconv>
 #include <cmath>
 
 #include "core/yaml.hpp"
@@ -18,11 +19,20 @@ constexpr const char* kTargetForm =
 constexpr const char* kBridge = "bridge:";
 constexpr double kMinSpan = 0.01, kMaxSpan = 2.0;  // m of a bridge
 
+/// The number that a part of a target is. `option`: with its value, for the message.
+double number_of(const std::string& part, const std::string& option) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
+  require(error == std::errc() && end == part.data() + part.size() && std::isfinite(value), option, ": '",
+          part, "' is not a number; expected ", kTargetForm);
+  return value;
+}
+
 std::vector<int> counts_of(const std::string& text) {
   std::vector<int> counts;
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t end = std::min(text.find('+', begin), text.size());
-    const double count = parse_numbers(text.substr(begin, end - begin), 1, kTargetForm).front();
+    const double count = number_of(text.substr(begin, end - begin), "--wall '" + text + "'");
     require(count >= 1 && count <= kMaxInCourse && count == std::floor(count), "--wall '", text,
             "': a course needs a whole number of stones from 1 to ", kMaxInCourse);
     counts.push_back(static_cast<int>(count));
@@ -126,7 +136,8 @@ WallTarget read_wall_target(const std::string& text) {
   if (is_scene_file(text)) return target_of_file(text);
   WallTarget target;
   if (text.starts_with(kBridge)) {
-    const double span = parse_numbers(text.substr(std::string(kBridge).size()), 1, kTargetForm).front();
+    const std::string length = text.substr(std::string(kBridge).size());
+    const double span = number_of(length, "--bridge '" + length + "'");
     require(span >= kMinSpan && span <= kMaxSpan, "--bridge ", span, ": the span must be in [", kMinSpan,
             ", ", kMaxSpan, "] m");
     target.task = SpanTask{{}, {{-0.5 * span, 0.5 * span}}, true, std::nullopt};
@@ -137,8 +148,8 @@ WallTarget read_wall_target(const std::string& text) {
     target.courses = counts_of(text);
     return target;
   }
-  target.length = parse_numbers(text.substr(0, cross), 1, kTargetForm).front();
-  const double levels = parse_numbers(text.substr(cross + 1), 1, kTargetForm).front();
+  target.length = number_of(text.substr(0, cross), "--wall '" + text + "'");
+  const double levels = number_of(text.substr(cross + 1), "--wall '" + text + "'");
   require(target.length >= kMinLength && target.length <= kMaxLength, "--wall '", text,
           "': the length must be in [", kMinLength, ", ", kMaxLength, "] m");
   require(levels >= 1 && levels <= kMaxCourses && levels == std::floor(levels), "--wall '", text,
