@@ -1,6 +1,7 @@
 #include "program.hpp"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <signal.h>
 #include <unistd.h>
 
@@ -32,14 +33,25 @@ void replace_closed_streams() {
   }
 }
 
-/// Throws FileError if a part of what was printed did not reach stdout (a full disk, a closed stdout).
-void check_stdout() {
+/// True for a pipe whose reader has ended, as `head` does.
+bool reader_has_gone() {
+  pollfd out{STDOUT_FILENO, POLLOUT, 0};
+  return ::poll(&out, 1, 0) == 1 && (out.revents & POLLERR) != 0;
+}
+
+/// Throws FileError if a part of what was printed did not reach stdout (a full disk, a closed stdout). A
+/// command that is `done` ends by SIGPIPE, as shells expect, where the reader wanted no more.
+void check_stdout(bool done) {
   errno = 0;
   const bool whole = std::cout.flush().good();
   const bool flushed = std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
   const int copy = ::dup(STDOUT_FILENO);  // some file systems say only on closing that a write failed
   const bool closed = copy >= 0 && ::close(copy) == 0;
   if (whole && flushed && closed) return;
+  if (done && reader_has_gone()) {
+    ::signal(SIGPIPE, SIG_DFL);
+    ::raise(SIGPIPE);
+  }
   throw core::FileError(
       "stdout", core::concat("cannot be written: ", errno == 0 ? "a write failed" : std::strerror(errno)),
       "what was printed is not complete; give it a place to go");
@@ -54,6 +66,7 @@ void install_signal_handlers() {
   struct sigaction nothing {};      // a file that may not grow is an error of its write, like a full disk;
   nothing.sa_handler = [](int) {};  // not SIG_IGN, which programs started from here would inherit
   sigaction(SIGXFSZ, &nothing, nullptr);
+  sigaction(SIGPIPE, &nothing, nullptr);  // likewise: an arm that moves is not left for who reads messages
 }
 
 int run(int argc, char** argv, const std::function<void(CLI::App& app)>& set_up) {
@@ -86,8 +99,8 @@ int run_program(int argc, char** argv, const std::function<void(CLI::App& app)>&
   install_signal_handlers();
   const int code = guarded([&] { return run(argc, argv, set_up); });
   core::clear_progress();
-  const int printed = guarded([] {
-    check_stdout();
+  const int printed = guarded([&] {
+    check_stdout(code == 0);
     return 0;
   });
   return code != 0 ? code : printed;

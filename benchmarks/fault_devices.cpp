@@ -1,12 +1,16 @@
 #include "fault_devices.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <mutex>
 #include <optional>
 
+#include "stacking/journal.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
@@ -58,6 +62,8 @@ struct FaultRun {
   std::optional<Wrench> last_wrench;
   std::optional<double> frozen_time;
   double struck_at = 0.0;
+  std::string journal_path;  ///< of a run whose disk fills up
+  Journal journal;
 
   FaultRun(const FaultScene& s, const Fault& f, FaultPhase p, const SimulationOptions& options)
       : scene(s),
@@ -65,7 +71,19 @@ struct FaultRun {
         wanted(p),
         world(s.catalogue.stones, first_stones(s.catalogue.stones.size()), s.robot, CellLayout{}, options),
         inner(world.cell()),
-        at_look(world.truth()) {}
+        at_look(world.truth()) {
+    if (fault.name != "disk full") return;
+    static std::atomic<int> count{0};
+    journal_path = concat(std::filesystem::temp_directory_path().string(), "/stonestack-faults-", ::getpid(),
+                          '-', ++count, ".jsonl");
+    journal = Journal(journal_path);
+  }
+  ~FaultRun() {
+    std::error_code ignored;
+    if (!journal_path.empty()) std::filesystem::remove(journal_path, ignored);
+  }
+  FaultRun(const FaultRun&) = delete;
+  FaultRun& operator=(const FaultRun&) = delete;
 
   [[nodiscard]] bool is(const char* name) const { return struck && fault.name == name; }
   [[nodiscard]] bool once(const char* name) {
@@ -94,6 +112,7 @@ struct FaultRun {
   void command() {
     called();
     if (!stop_seen.empty()) broken(2, "commanded after: " + stop_seen);
+    if (is("disk full") && journal.lines() > 0) broken(2, "commanded without a journal");
   }
   /// Link faults of one device.
   void link(const char* device) {
@@ -163,6 +182,7 @@ struct FaultRun {
     if (n == "tower falls") shift({0.0, -0.15, 0}, true);
     if (n == "stone moved") shift({0.04, 0.02, 0}, true);
     if (n == "interrupt") interrupt.over = true;
+    if (n == "disk full") journal = Journal("/dev/full");
   }
   [[nodiscard]] std::string robot_stop() const {
     for (const char* name :
@@ -474,7 +494,7 @@ const std::vector<Fault>& known_faults() {
     add("world",
         {"stone slips 5 mm", "stone slips 20 mm", "tower falls", "stone moved", "table 10 mm higher"}, false);
     add("world", {"stone gone"}, true);
-    add("host", {"interrupt"}, true);
+    add("host", {"interrupt", "disk full"}, true);
     add("host", {"clock an hour ahead", "clock an hour back"}, false);
     return all;
   }();
@@ -496,6 +516,7 @@ FaultOutcome run_with_fault(const FaultScene& scene, const Fault& fault, FaultPh
       run.enter(FaultPhase::kPlan);
     if (std::holds_alternative<PlaceBegun>(event)) run.enter(FaultPhase::kPreGrasp);
   };
+  if (!run.journal_path.empty()) hooks.journal = &run.journal;
   std::optional<TimeLimit> limit;
   if (fault.name == "interrupt") limit.emplace(1.0, run.interrupt);
   if (phase == FaultPhase::kConnect) run.enter(FaultPhase::kConnect);
@@ -520,6 +541,8 @@ FaultOutcome run_with_fault(const FaultScene& scene, const Fault& fault, FaultPh
   outcome.stopped = result->end == End::kStopped || result->end == End::kInterrupted;
   const std::size_t ends = all_of<RunEnded>(result->events).size();
   if (ends != 1 || result->ended.empty()) run.broken(4, concat(ends, " ends; reason: ", result->ended));
+  if (fault.name == "disk full" && run.struck && !outcome.stopped && phase < FaultPhase::kVerify)
+    run.broken(4, "a run without a journal ended as " + outcome.end);
   if (fault.name == "interrupt" && run.struck && result->end != End::kInterrupted &&
       phase < FaultPhase::kVerify)
     run.broken(4, "an interrupted run ended as " + outcome.end);

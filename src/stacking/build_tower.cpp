@@ -28,6 +28,8 @@
 namespace stonestack::stacking {
 namespace {
 
+constexpr const char* kByUser = "interrupted by the user";
+
 /// World and memory: all that the next decision depends on.
 struct Known {
   WorldEstimate world;
@@ -167,9 +169,9 @@ Stop build(Workcell& w, StateWriter& states, const ResumeWriter& resume, Journal
 
 /// The end of a run. Nothing moves any more: a disk that refuses costs the journal's last line, not the
 /// result.
-void report_end(Workcell& w, const Stop& stop) {
+void report_end(Recorder& recorder, const Stop& stop) {
   try {
-    w.emit(RunEnded{stop.end, stop.reason});
+    recorder.hear(RunEnded{stop.end, stop.reason});
   } catch (const FileError& error) {
     log_warning(error.what());
   }
@@ -261,6 +263,24 @@ void note_resumed(Journal& journal, const ResumePoint& before) {
   journal.record("resumed", data.dump());
 }
 
+/// Models of stones and robot, for planning and for detection.
+struct RunModels {
+  Models planning;
+  DetectionModels detection;
+};
+
+/// Empty after Ctrl-C.
+std::optional<RunModels> make_run_models(const Catalogue& catalogue, const RobotModel& robot,
+                                         const CellLayout& layout, const BuildOptions& options) {
+  try {
+    Models planning = make_models(catalogue, robot, layout, options.wall);
+    DetectionModels detection(catalogue.stones, options.detection);
+    return RunModels{std::move(planning), std::move(detection)};
+  } catch (const Interrupted&) {
+    return std::nullopt;
+  }
+}
+
 /// Everything around the loop: what it does, with which devices, and how it ended. `before`: a run that goes
 /// on.
 RunResult run_with(Cell& cell, const Catalogue& catalogue, const RobotModel& robot,
@@ -271,17 +291,21 @@ RunResult run_with(Cell& cell, const Catalogue& catalogue, const RobotModel& rob
   planned.layout.linkage = options.linkage;
   require(options.wall.empty() || options.search.method == "default", "a wall needs the default search, not ",
           options.search.method);
-  const Models models = make_models(catalogue, robot, planned.layout, options.wall);
-  if (models.wall && models.wall->centre_W) planned.layout.site = *models.wall->centre_W;
-  const DetectionModels detection(catalogue.stones, options.detection);
+  const std::optional<RunModels> made = make_run_models(catalogue, robot, planned.layout, options);
+  const Models models = made ? made->planning : Models{&catalogue, &robot, {}, {}, std::nullopt};
   Recorder recorder(models, hooks, cell.clock);
   if (before != nullptr) recorder.go_on_from(*before);
+  if (!made) {  // nothing has moved
+    report_end(recorder, stop_arm(cell.arm, RunEnd::kInterrupted, kByUser));
+    return std::move(recorder.result());
+  }
+  if (models.wall && models.wall->centre_W) planned.layout.site = *models.wall->centre_W;
   const WatchedArm watched(hooks.journal, recorder.result().timeline);
   std::optional<SteppedDevices> stepped;
   if (hooks.before_motion) stepped.emplace(planned, robot, hooks.before_motion, hooks.journal);
   RecordedDevices devices(stepped ? stepped->cell() : planned, recorder.result().timeline);
   Workcell workcell{
-      devices.cell(), models, detection, options, recorder.result().seconds, [&](const Event& event) {
+      devices.cell(), models, made->detection, options, recorder.result().seconds, [&](const Event& event) {
         recorder.hear(event);
       }};
   StateWriter states(workcell, hooks.states_folder);
@@ -289,16 +313,16 @@ RunResult run_with(Cell& cell, const Catalogue& catalogue, const RobotModel& rob
   try {
     ended = work(workcell, states);
   } catch (const Interrupted&) {
-    ended = stop_arm(cell.arm, RunEnd::kInterrupted, "interrupted by the user");
+    ended = stop_arm(cell.arm, RunEnd::kInterrupted, kByUser);
   } catch (const DeviceError& error) {
     ended = stop_arm(cell.arm, RunEnd::kStopped, error.what());
   } catch (const FileError& error) {  // of the journal: without it nothing moves, but what stands is reported
     ended = stop_arm(cell.arm, RunEnd::kStopped, error.what());
   } catch (const std::exception& error) {
-    report_end(workcell, {RunEnd::kFailed, error.what()});
+    report_end(recorder, {RunEnd::kFailed, error.what()});
     throw;
   }
-  report_end(workcell, ended);
+  report_end(recorder, ended);
   return std::move(recorder.result());
 }
 

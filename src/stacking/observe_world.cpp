@@ -3,6 +3,7 @@
 #include <span>
 
 #include "stacking/arrangement.hpp"
+#include "stacking/camera_kept.hpp"
 #include "stacking/constants.hpp"
 #include "stacking/unknown_objects.hpp"
 #include "stacking/workcell.hpp"
@@ -202,6 +203,7 @@ Observation observe(Workcell& w, const Expectation& expected, const WhileMoving&
   for (const Sighting& sighting : sightings) found.push_back({sighting.stone, sighting.T_W_O});
   set_unknown_objects(w, unknown_objects(w, seen.views, found));
   world.layout = w.cell.layout;
+  check_camera_kept(w, expected, world, seen.views.front());
   world.views = std::make_shared<const Views>(std::move(seen.views));
   observation.as_predicted = adopt(w.models.shapes, seen.predicted, world);
   if (!observation.as_predicted) add_resting_stacks(w.models, w.options, expected.friction, world);

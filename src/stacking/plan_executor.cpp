@@ -37,10 +37,14 @@ void PlanExecutor::intend(const PlanStep& step) const {
   record(journal, StepBegun{step.name});
 }
 
-void PlanExecutor::set_payload(bool holding) const {
+GripperMass PlanExecutor::load(bool holding) const {
   const GripperMass gripper = carried_gripper_mass(scene.gripper, cell.layout);
   const GripperMass held{stone.mass.mass, p_F(plan.T_O_T.inverse() * stone.mass.p_O_M)};
-  stacking::set_payload(cell.arm, holding ? together(gripper, held) : gripper);
+  return holding ? together(gripper, held) : gripper;
+}
+
+void PlanExecutor::set_payload(bool holding) const {
+  stacking::set_payload(cell.arm, load(holding));
 }
 
 ExecutionResult PlanExecutor::follow(const PlanStep& step) const {
@@ -54,10 +58,14 @@ ExecutionResult PlanExecutor::grasp(const PlanStep& step) const {
   try {
     const GripperState held = cell.gripper.move(0.0, speed, step.force > 0 ? step.force : kFingerForce);
     if (!held.object) return give_up(step, "the fingers closed on nothing");
-    set_payload(true);
-  } catch (const DeviceError& problem) {  // jammed, or refused: the arm has not moved, so opening is safe
-    (void)cell.arm.state();               // an arm that does not answer at all ends the run
+  } catch (const DeviceError& problem) {  // jammed: the arm has not moved, so opening is safe
     return give_up(step, problem.what());
+  }
+  const GripperMass carried = load(true);
+  try {
+    cell.arm.set_payload(carried.mass, carried.p_F_gripper);
+  } catch (const InvalidArgument& refusal) {  // too heavy; an arm that does not answer ends the run instead
+    return give_up(step, refusal.what());
   }
   return {};
 }
@@ -110,12 +118,16 @@ ExecutionResult PlanExecutor::check_carried(const PlanStep* lift, const PlanStep
     return home.status == Status::kStopped ? home : put_back(*lift, turned(off));
   }
   if (carried.held) return {};
-  set_payload(false);
+  // A wrist that has failed measures nothing either: what the fingers still hold is not dropped.
+  const bool reported = reports_object_at_rest(cell);
+  if (!reported) set_payload(false);
   const ExecutionResult home = go_home({lift + 1, &next});
   if (home.status == Status::kStopped) return home;
-  cell.gripper.move(scene.gripper.max_opening, kStrokeSpeed, kFingerForce);
-  return {Status::kLost, 0.0,
-          concat("lost in transit: the gripper holds ", carried_weight, " N, not ", expected, " N")};
+  const std::string measured = concat("the wrist measures ", carried_weight, " N, not ", expected, " N");
+  if (reported && reports_object_at_rest(cell))
+    return put_back(*lift, concat("uncertain in transit: the gripper reports an object, and ", measured));
+  const ExecutionResult opened = release("lost in transit: " + measured);
+  return {Status::kLost, 0.0, opened.reason};
 }
 
 ExecutionResult PlanExecutor::go_home(std::span<const PlanStep> carried) const {

@@ -22,6 +22,7 @@ struct PlanExecutor {
   void intend(const PlanStep& step) const;
   [[nodiscard]] Eigen::Vector3d p_F(const Eigen::Vector3d& p_T) const { return cell.layout.T_F_T * p_T; }
   /// Mass and centre of mass of the gripper alone, or with the stone in it.
+  [[nodiscard]] GripperMass load(bool holding) const;
   void set_payload(bool holding) const;
   [[nodiscard]] ExecutionResult follow(const PlanStep& step) const;
   [[nodiscard]] ExecutionResult grasp(const PlanStep& step) const;

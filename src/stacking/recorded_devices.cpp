@@ -30,6 +30,16 @@ GripperState checked(const GripperState& state) {
   return state;
 }
 
+/// Motion that is reported as done and ends elsewhere: stopped by what nobody reports.
+void check_end(const JointTrajectory& trajectory, MotionResult& result) {
+  using Status = MotionResult::Status;
+  if (trajectory.q.empty() || (result.status != Status::kDone && result.status != Status::kNoContact)) return;
+  const double short_of = (result.q - trajectory.q.back()).cwiseAbs().maxCoeff();
+  if (short_of <= kMaxMoved) return;
+  result.status = Status::kStopped;
+  result.reason = concat("reports a motion as done and stands ", short_of, " rad from its end");
+}
+
 void check_depths(const DepthImage& image) {
   std::size_t shown = 0, wild = 0;
   for (const float z : image.z) {
@@ -93,22 +103,30 @@ ArmState RecordedDevices::RecordedArm::state() {
   return state;
 }
 
-MotionResult RecordedDevices::RecordedArm::follow(const JointTrajectory& trajectory) {
-  const double begin = recording_.clock.now();
-  MotionResult result = arm_.follow(trajectory);
+MotionResult RecordedDevices::RecordedArm::end_motion(const JointTrajectory& trajectory, double begin,
+                                                      MotionResult result) {
   check_joints(result.q);
+  check_end(trajectory, result);
+  if (result.status == MotionResult::Status::kLost) {  // it may go on by itself
+    try {
+      arm_.stop();
+    } catch (const DeviceError& problem) {
+      result.reason += concat("; the arm did not confirm a stop: ", problem.what());
+    }
+  }
   q_at_end_ = result.q;
   recording_.add_motion(trajectory, begin, result);
   return result;
 }
 
+MotionResult RecordedDevices::RecordedArm::follow(const JointTrajectory& trajectory) {
+  const double begin = recording_.clock.now();
+  return end_motion(trajectory, begin, arm_.follow(trajectory));
+}
+
 MotionResult RecordedDevices::RecordedArm::follow_guarded(const GuardedMotion& motion) {
   const double begin = recording_.clock.now();
-  MotionResult result = arm_.follow_guarded(motion);
-  check_joints(result.q);
-  q_at_end_ = result.q;
-  recording_.add_motion(motion.trajectory, begin, result);
-  return result;
+  return end_motion(motion.trajectory, begin, arm_.follow_guarded(motion));
 }
 
 void RecordedDevices::RecordedArm::set_payload(double mass, const Eigen::Vector3d& p_F_com) {

@@ -10,7 +10,8 @@ namespace stonestack::stacking {
 
 /// Wrappers around the devices of a cell. They write into a timeline that outlives them, and throw
 /// DeviceError for numbers that are not finite or out of range, for an arm that stands elsewhere than its
-/// last motion ended, and for a camera's frame that came before or shows next to nothing.
+/// last motion ended, and for a camera's frame that came before or shows next to nothing. A motion that is
+/// reported as done and did not reach its end is a stop.
 class RecordedDevices {
  public:
   RecordedDevices(const Cell& cell, Timeline& timeline);
@@ -37,6 +38,9 @@ class RecordedDevices {
     void set_payload(double mass, const Eigen::Vector3d& p_F_com) override;
 
    private:
+    /// Records the motion, and stops an arm that was lost in it.
+    [[nodiscard]] MotionResult end_motion(const JointTrajectory& trajectory, double begin,
+                                          MotionResult result);
     Arm& arm_;
     Recording& recording_;
     std::optional<Joints> q_at_end_;  ///< of the last motion

@@ -14,16 +14,6 @@ constexpr double kDrift = 2.0;   // N, error of the sensor after a carry; design
 constexpr double kGripperCentre = 0.03;  // m, error of the gripper's assumed centre of mass; design choice
 constexpr double kSettle = 1.0;          // s, at most, for fingers that close on
 
-GripperState state_at_rest(Cell& cell) {
-  const double start = cell.clock.now();
-  GripperState state = cell.gripper.state();
-  while (state.moving && cell.clock.now() < start + kSettle) {
-    (void)cell.force_torque.read();  // paced by its samples
-    state = cell.gripper.state();
-  }
-  return state;
-}
-
 /// Until the sensor reports the rest of an arm that has just stopped.
 void pass_over_motion(Cell& cell) {
   for (int i = 0; i < kPassedOver; ++i) (void)cell.force_torque.read();
@@ -75,6 +65,16 @@ double beside(const WristLoad& load, const Eigen::Vector3d& p_F) {
   return (off - off.dot(load.n_F_down) * load.n_F_down).norm();
 }
 
+bool reports_object_at_rest(Cell& cell) {
+  const double start = cell.clock.now();
+  GripperState state = cell.gripper.state();
+  while (state.moving && cell.clock.now() < start + kSettle) {
+    (void)cell.force_torque.read();  // paced by its samples
+    state = cell.gripper.state();
+  }
+  return state.object;
+}
+
 double max_in_empty_gripper(double weight) {
   return std::max(kDrift, kEmptyGripper * weight);
 }
@@ -83,7 +83,7 @@ CarriedLoad feel_carried(const Wrist& wrist, Cell& cell, double expected, double
   CarriedLoad carried{wrist.feel(), true};
   const double weight = carried.load.weight;
   if (weight < min_held_share * expected)
-    carried.held = weight >= kEmptyGripper * expected && state_at_rest(cell).object;
+    carried.held = weight >= kEmptyGripper * expected && reports_object_at_rest(cell);
   return carried;
 }
 

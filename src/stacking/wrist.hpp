@@ -53,6 +53,9 @@ class Wrist {
   double carried_at_zero_ = 0.0;
 };
 
+/// Object that the gripper reports once its fingers have come to rest: they close on one that slips.
+[[nodiscard]] bool reports_object_at_rest(Cell& cell);
+
 /// Largest load of an empty gripper [N]: a stone of `weight` (N) mostly rests on the tower while a finger
 /// still holds it, and the sensor drifts during a carry.
 [[nodiscard]] double max_in_empty_gripper(double weight);
@@ -64,8 +67,8 @@ struct CarriedLoad {
 };
 
 /// Combines wrist and gripper. A load of at least `min_held_share` of the weight (`expected`, N) means that
-/// the stone is held; below `kEmptyGripper` of it the stone is lost, also while the gripper still reports an
-/// object, as it reports late. Between the two the gripper decides, when its fingers
+/// the stone is held; below `kEmptyGripper` of it the wrist feels none, whatever the gripper reports, which
+/// reports late. Between the two the gripper decides, when its fingers
 /// have come to rest: they close on a stone that slips, and are no verdict while they do.
 [[nodiscard]] CarriedLoad feel_carried(const Wrist& wrist, Cell& cell, double expected,
                                        double min_held_share);

@@ -94,6 +94,20 @@ TEST_F(RunRecord, AFullDiskDuringTheRunStopsItAndTheTableIsPrinted) {
   EXPECT_TRUE(fs::exists(folder_ + "/run/result.json"));
 }
 
+/// Whoever reads messages or the table may end; the arm is not left in the midst of a motion for that.
+TEST_F(RunRecord, ARunIsCompletedWhenNobodyReadsItAnyMore) {
+  const auto code_of = [&](const std::string& command, const std::string& reader) {
+    (void)shell(concat("cd ", folder_, " && : >err; { sleep 0.5; ", STONESTACK_BINARY, ' ', command,
+                       "; echo $? >code; } ", reader));
+    return read_file(folder_ + "/code", 100);
+  };
+  EXPECT_EQ(code_of(kSmallRun + "--out run >table", "2>&1 | true"), "0\n");
+  EXPECT_TRUE(fs::exists(folder_ + "/run/report.html"));
+  EXPECT_THAT(read_file(folder_ + "/table", 10000), HasSubstr("tower of 1 of 1 stones"));
+  EXPECT_EQ(code_of("help run 2>err", "| true"), "141\n") << "by SIGPIPE, as shells expect";
+  EXPECT_EQ(read_file(folder_ + "/err", 1000), "");
+}
+
 TEST_F(RunRecord, ARunThatFailsAtItsStartNamesNoRecord) {
   write("lab.yaml",
         "arm: {address: 127.0.0.1, rtde_port: 1, primary_port: 1, secondary_port: 1, realtime_port: 1, "

@@ -99,7 +99,29 @@ TEST(Execute, TheGripperDecidesWhereTheWristIsUncertain) {
   EXPECT_EQ(ends(0.4, true), End::kReleased) << "slipped, and still held";
   EXPECT_EQ(ends(0.4, true, 3), End::kReleased) << "the fingers close on what slips";
   EXPECT_EQ(ends(0.4, false), End::kLost);
-  EXPECT_EQ(ends(0.05, true), End::kLost) << "a gripper may report late";
+}
+
+TEST(Execute, WhatTheGripperHoldsIsNotDroppedForAWristThatMeasuresNothing) {
+  Carried cell({1.0, 0.0});
+  cell.gripper.object = true;
+  const auto done = cell.Bench::run({Status::kContact});
+  EXPECT_EQ(done.status, ExecutionResult::Status::kNotPicked);
+  EXPECT_THAT(done.reason, testing::HasSubstr("the gripper reports an object, and the wrist measures 0"));
+  EXPECT_THAT(cell.arm.commands,
+              testing::ElementsAre("follow", "follow", "follow", "lower", "follow", "open", "follow"))
+      << "back, and down until it touches, before the fingers open";
+}
+
+TEST(Execute, AGripperMayReportLateThatItHoldsNothing) {
+  Carried cell({1.0, 0.0});
+  cell.gripper.object = true;
+  const auto after_motion = cell.arm.after_motion;
+  cell.arm.after_motion = [&] {
+    after_motion();
+    cell.gripper.object = cell.arm.commands.size() < 3;
+  };
+  EXPECT_EQ(cell.run().status, ExecutionResult::Status::kLost);
+  EXPECT_THAT(cell.arm.commands, testing::ElementsAre("follow", "follow", "follow", "open"));
 }
 
 }  // namespace

@@ -95,15 +95,9 @@ TEST(Execute, AFingerThatMeetsAStoneGoesBackAndPicksNothing) {
 }
 
 TEST(Execute, AnArmThatIsLostAtTheGraspIsNoFailedGrasp) {
-  struct LostArm : scripted::ScriptedArm {
-    bool lost = false;
+  struct LostArm : scripted::ScriptedArm {  // and is there again
     void set_payload(double, const Eigen::Vector3d&) override {
-      lost = true;
       throw DeviceError("arm", "connection lost", "look at the cell");
-    }
-    ArmState state() override {
-      if (lost) throw DeviceError("arm", "connection lost", "look at the cell");
-      return ScriptedArm::state();
     }
   };
   Bench bench;

@@ -2,12 +2,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "physics/shape.hpp"
 #include "stacking/journal.hpp"
+#include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
@@ -39,13 +42,20 @@ struct EndingArm : Arm {
   bool dead = false;
 };
 
+/// Each time that is asked for is a second later.
+struct LateClock : Clock {
+  mutable std::atomic<int> seconds{0};
+  [[nodiscard]] double now() const override { return ++seconds; }
+};
+
 struct EndedRun {
   RunResult result;
   std::string thrown;
   json last;  ///< line of the journal
 };
 
-EndedRun run_until(const std::function<MotionResult()>& ends, bool dead = false) {
+/// `interrupted`: before the run begins.
+EndedRun run_until(const std::function<MotionResult()>& ends, bool dead = false, bool interrupted = false) {
   const Catalogue catalogue = read_catalogue(data_path("stones"));
   const RobotModel robot = read_robot("ur10");
   SimulatedCell world(catalogue.stones, {1_stone}, robot, CellLayout{}, {});
@@ -62,6 +72,9 @@ EndedRun run_until(const std::function<MotionResult()>& ends, bool dead = false)
     Journal journal(path);
     BuildHooks hooks;
     hooks.journal = &journal;
+    const LateClock clock;
+    std::optional<TimeLimit> as_by_a_user;
+    if (interrupted) as_by_a_user.emplace(0.5, clock);
     try {
       run.result = build_tower(cell, catalogue, robot, {}, hooks);
     } catch (const std::exception& error) {
@@ -111,6 +124,16 @@ TEST(JournalEnd, NamesALostLinkAndAnArmThatDoesNotConfirmItsStop) {
 
 TEST(JournalEnd, NamesAnInterruption) {
   const EndedRun run = run_until([]() -> MotionResult { throw Interrupted(); });
+  EXPECT_EQ(run.last["kind"], "end");
+  EXPECT_EQ(run.last["data"]["end"], "interrupted");
+}
+
+TEST(JournalEnd, NamesAnInterruptionBeforeTheFirstView) {
+  const EndedRun run = run_until([] { return stopped("must not move"); }, false, true);
+  EXPECT_EQ(run.thrown, "") << "a run without any stone is a result, too";
+  EXPECT_EQ(run.result.end, RunResult::End::kInterrupted);
+  EXPECT_EQ(run.result.ended, "interrupted by the user");
+  EXPECT_EQ(all_of<RunEnded>(run.result.events).size(), 1U);
   EXPECT_EQ(run.last["kind"], "end");
   EXPECT_EQ(run.last["data"]["end"], "interrupted");
 }

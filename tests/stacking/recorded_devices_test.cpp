@@ -21,25 +21,31 @@ struct TestClock : Clock {
 struct TestArm : Arm {
   TestClock& clock;
   Joints q = Joints::Zero();
-  double contact_after = 1e9;  ///< of a guarded motion [s]
+  double contact_after = 1e9;                                 ///< of a guarded motion [s]
+  double share = 1.0;                                         ///< of a free motion that is followed
+  MotionResult::Status status = MotionResult::Status::kDone;  ///< that a free motion reports
+  bool stopped = false, dead = false;
   explicit TestArm(TestClock& c) : clock(c) {}
   ArmState state() override {
     ArmState state;
     state.q = q;
     return state;
   }
-  MotionResult move(const JointTrajectory& trajectory, double seconds, MotionResult::Status status) {
+  MotionResult move(const JointTrajectory& trajectory, double seconds, MotionResult::Status end) {
     clock.seconds += seconds;
     q = sample(trajectory, seconds).q;
-    return {status, q, status == MotionResult::Status::kContact ? 12.0 : 0.0, ""};
+    return {end, q, end == MotionResult::Status::kContact ? 12.0 : 0.0, ""};
   }
   MotionResult follow(const JointTrajectory& trajectory) override {
-    return move(trajectory, trajectory.duration(), MotionResult::Status::kDone);
+    return move(trajectory, share * trajectory.duration(), status);
   }
   MotionResult follow_guarded(const GuardedMotion& motion) override {
     return move(motion.trajectory, contact_after, MotionResult::Status::kContact);
   }
-  void stop() override {}
+  void stop() override {
+    stopped = true;
+    if (dead) throw DeviceError("arm", "no data", "look at the cable");
+  }
   void set_payload(double, const Eigen::Vector3d&) override {}
 };
 
@@ -132,6 +138,29 @@ TEST_F(RecordedDevicesTest, RefusesAnArmThatMovedWithoutACommand) {
   EXPECT_NO_THROW((void)arm.state());
   arm_.q[1] += 0.5;
   EXPECT_THROW((void)arm.state(), DeviceError);
+}
+
+TEST_F(RecordedDevicesTest, AMotionThatIsDoneElsewhereThanAtItsEndIsAStop) {
+  Arm& arm = devices_.cell().arm;
+  arm_.share = 0.97;  // within what arms are exact at rest
+  EXPECT_EQ(arm.follow(ramp(1.0)).status, MotionResult::Status::kDone);
+  arm_.share = 0.5;
+  const MotionResult done = arm.follow(ramp(1.0));
+  EXPECT_EQ(done.status, MotionResult::Status::kStopped);
+  EXPECT_THAT(done.reason, testing::HasSubstr("stands 0.5 rad from its end"));
+}
+
+TEST_F(RecordedDevicesTest, StopsAnArmThatIsLostInAMotion) {
+  Arm& arm = devices_.cell().arm;
+  arm_.share = 0.5;
+  arm_.status = MotionResult::Status::kStopped;
+  EXPECT_EQ(arm.follow(ramp(1.0)).status, MotionResult::Status::kStopped);
+  EXPECT_FALSE(arm_.stopped) << "a controller that has stopped needs no command";
+  arm_.status = MotionResult::Status::kLost;
+  EXPECT_EQ(arm.follow(ramp(1.0)).status, MotionResult::Status::kLost);
+  EXPECT_TRUE(arm_.stopped) << "the controller may have got the motion";
+  arm_.dead = true;
+  EXPECT_THAT(arm.follow(ramp(1.0)).reason, testing::HasSubstr("did not confirm a stop: arm: no data"));
 }
 
 TEST_F(RecordedDevicesTest, RefusesForcesThatCannotBe) {

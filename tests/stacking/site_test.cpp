@@ -4,6 +4,7 @@
 #include "stacking/arrangement.hpp"
 #include "stacking/heard.hpp"
 #include "stacking/hiding_camera.hpp"
+#include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
@@ -53,6 +54,13 @@ struct Started {
     SimulationOptions options;
     options.seed = 7;
     world = std::make_unique<SimulatedCell>(catalogue.stones, present, robot, CellLayout{}, options);
+  }
+  /// As it lies.
+  void bring_to_site(StoneIndex stone) const {
+    const Truth truth = world->truth();
+    Pose T_W_O = at(truth.T_W_O, stone);
+    T_W_O.translation().head<2>() = CellLayout{}.site;
+    world->place(stone, T_W_O);
   }
   RunResult build(int max_stones, const Catalogue& known) {
     BuildOptions options;
@@ -106,15 +114,41 @@ TEST(Site, AnUnseenSiteIsNotBuiltOn) {
 
 TEST(Site, AnUnknownObjectIsNotBuiltOn) {
   Started lab({1_stone, 2_stone, 5_stone});
-  Pose T_W_O = lab.world->truth().T_W_O[5];  // as it lies, moved to the site
-  T_W_O.translation().head<2>() = CellLayout{}.site;
-  lab.world->place(5_stone, T_W_O);
+  lab.bring_to_site(5_stone);
   Catalogue known = lab.catalogue;
   known.stones.pop_back();
   const RunResult result = lab.build(1, known);
   EXPECT_EQ(result.end, RunResult::End::kNoPose);
   EXPECT_THAT(result.ended, HasSubstr("none of the known stones: clear the site"));
   EXPECT_TRUE(result.placements.empty());
+}
+
+/// A camera that sends no frame from the third on: of the field, of the site, of the site's other side.
+struct FailingCamera : DepthCamera {
+  DepthCamera& camera;
+  int frames = 0;
+  explicit FailingCamera(DepthCamera& real) : camera(real) {}
+  DepthFrame capture() override {
+    if (++frames > 2) throw DeviceError("camera", "sends no frame", "look at its cable");
+    return camera.capture();
+  }
+};
+
+TEST(Site, ACameraThatFailsAtTheSitesOtherSideEndsTheRun) {
+  Started lab({1_stone, 2_stone});
+  lab.bring_to_site(2_stone);
+  const Cell real = lab.world->cell();
+  FailingCamera camera(real.camera);
+  Cell cell{real.arm, real.gripper, real.force_torque, camera, real.clock, real.layout};
+  BuildOptions options;
+  options.max_stones = 1;
+  options.refine_camera = false;
+  const RunResult result = build_tower(cell, lab.catalogue, lab.robot, options);
+  EXPECT_EQ(all_of<SiteOccupied>(result.events).size(), 1U) << "after the second frame";
+  EXPECT_TRUE(all_of<SiteSeenFromOneSide>(result.events).empty()) << "no device's failure is a missing route";
+  EXPECT_EQ(camera.frames, 3) << "not asked again";
+  EXPECT_EQ(result.end, RunResult::End::kStopped);
+  EXPECT_THAT(result.ended, HasSubstr("sends no frame"));
 }
 
 }  // namespace
