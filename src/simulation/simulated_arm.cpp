@@ -212,7 +212,7 @@ MotionResult SimulatedArm::follow(const JointTrajectory& trajectory) {
 }
 
 MotionResult SimulatedArm::follow_guarded(const GuardedMotion& motion) {
-  require(motion.threshold > 0 && motion.sideways >= 0 && std::abs(motion.n_W_direction.norm() - 1) < 1e-6,
+  require(motion.threshold > 0 && std::abs(motion.n_W_direction.norm() - 1) < 1e-6,
           "a guard needs a positive threshold and a unit direction, got ", motion.threshold, " N and length ",
           motion.n_W_direction.norm());
   MotionResult result = move(motion.trajectory, &motion);
@@ -255,19 +255,18 @@ std::string SimulatedArm::overspeed(const Joints& qd, double t) const {
   return {};
 }
 
-Eigen::Vector3d SimulatedArm::force_in_W() {
+double SimulatedArm::resistance(const GuardedMotion& guard) {
   // As a program would: the reading turned by the arm's nominal pose.
   const Eigen::Matrix3d R_W_F = (T_W_R_assumed_ * forward(robot_, q_)).rotation();
-  return R_W_F * force_torque_->read().force;
+  return -guard.n_W_direction.dot(R_W_F * force_torque_->read().force);
 }
 
 MotionResult SimulatedArm::move(const JointTrajectory& trajectory, const GuardedMotion* guard) {
   using Status = MotionResult::Status;
   if (auto reason = refusal(trajectory); !reason.empty()) return {Status::kRefused, q_, 0.0, reason};
-  Eigen::Vector3d start_W = Eigen::Vector3d::Zero();
-  double force = 0.0, across = 0.0;
+  double start_force = 0.0, force = 0.0;
   if (guard)
-    for (int i = 0; i < kStartSamples; ++i) start_W += force_in_W() / kStartSamples;
+    for (int i = 0; i < kStartSamples; ++i) start_force += resistance(*guard) / kStartSamples;
   const Joints start_gap = q_ - trajectory.q.front(), old_jitter = jitter_;
   Joints new_jitter;
   for (auto& joint : new_jitter) joint = random_.normal(0.0, jitter_sigma_);
@@ -298,18 +297,13 @@ MotionResult SimulatedArm::move(const JointTrajectory& trajectory, const Guarded
     if (stop_reason_.empty() && tick++ % kTicksPerCheck == 0)
       stop_reason_ = find_link_hit(*world_, mounting_, q_).value_or("");
     if (guard) {
-      const Eigen::Vector3d more_W = force_in_W() - start_W;
-      force = -guard->n_W_direction.dot(more_W);
-      across = (more_W + force * guard->n_W_direction).norm();
+      force = resistance(*guard) - start_force;
       readings.add(force);
     }
     if (!stop_reason_.empty()) return {Status::kStopped, q_, force, "protective stop: " + stop_reason_};
-    if (guard) {
-      const bool aside = guard->sideways > 0.0 && across > guard->sideways;
-      above = force > guard->threshold || aside ? above + 1 : 0;
-    }
+    if (guard) above = force > guard->threshold ? above + 1 : 0;
     if (above >= 2)
-      return {Status::kContact, q_, force, concat("contact at ", force, " N, ", across, " N across"),
+      return {Status::kContact, q_, force, concat("contact at ", force, " N"),
               readings.mean_of_second_half()};
   }
   if (guard)

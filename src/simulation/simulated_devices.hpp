@@ -136,7 +136,7 @@ class SimulatedArm final : public Arm {
   [[nodiscard]] std::string refusal(const JointTrajectory& trajectory) const;
   [[nodiscard]] std::string overspeed(const Joints& qd, double t) const;
   [[nodiscard]] MotionResult move(const JointTrajectory& trajectory, const GuardedMotion* guard);
-  [[nodiscard]] Eigen::Vector3d force_in_W();
+  [[nodiscard]] double resistance(const GuardedMotion& guard);
 
   TrueWorld* world_;
   RobotModel robot_;

@@ -287,7 +287,6 @@ ExecutionResult PlanExecutor::push(const PlanStep& step, bool* resisted) const {
   GuardedMotion motion;
   motion.trajectory = time_path(*path, limits, scene.robot, scene.T_F_T);
   motion.threshold = step.threshold;
-  motion.sideways = step.threshold;  // a gripper that climbs the stone, or is caught under it
   motion.n_W_direction = shift.normalized();
   const MotionResult moved = cell.arm.follow_guarded(motion);
   *resisted = moved.status == MotionResult::Status::kContact;

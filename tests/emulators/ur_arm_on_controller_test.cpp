@@ -182,24 +182,6 @@ Resumed pause_move_resume(const std::string& script, int knots, double shift) {
   return resumed;
 }
 
-TEST(UrScripts, AGuardFeelsAcrossItsDirectionWhereItIsAsked) {
-  for (const double sideways : {0.0, 6.0})
-    for (const std::size_t across : {24U, 25U}) {
-      ScriptBench bench;
-      bench.controller.run_script(write_guarded(planned(0.05), {-Eigen::Vector3d::UnitZ(), 5.0, sideways},
-                                                context(bench.controller, 9)));
-      const double begin = bench.controller.uptime();
-      run_fed(bench, 10.0, [&] {
-        bench.controller.registers.in_double[across] =
-            bench.controller.uptime() - begin < 0.3 ? -20.0 : -27.0;
-        ++bench.controller.registers.in_int[25];
-      });
-      EXPECT_EQ(bench.exceptions, "");
-      EXPECT_EQ(bench.controller.registers.out_int[26],
-                static_cast<int>(sideways > 0.0 ? ScriptEnd::kContact : ScriptEnd::kNoContact));
-    }
-}
-
 TEST(UrScripts, AnArmThatWasMovedInAPauseDoesNotJumpBack) {
   ScriptBench bench;
   const JointTrajectory path = planned();

@@ -57,16 +57,6 @@ TEST(SimulatedCell, GuardedDescentStopsAtOnceOnTheTable) {
   EXPECT_EQ(nothing.status, Status::kNoContact);
 }
 
-TEST(SimulatedCell, AGuardFeelsAcrossItsDirectionWhereItIsAsked) {
-  CellBench bench({make_pebble("pebble", 1.2)});
-  ASSERT_EQ(bench.go(tool_down({0.7, 0.3, 0.02})).status, Status::kDone);
-  const auto contact = bench.cell.arm.follow_guarded(
-      {bench.line(tool_down({0.7, 0.3, -0.02}), 0.005), Eigen::Vector3d::UnitX(), 1e3, 5.0});
-  EXPECT_EQ(contact.status, Status::kContact) << contact.reason;
-  EXPECT_LT(std::abs(contact.force), 2.0) << "along its direction";
-  EXPECT_NEAR(bench.T_W_T(contact.q).translation().z(), 0.0, 0.003);
-}
-
 TEST(SimulatedCell, ALateForceLetsTheGripperPressHarder) {
   const auto height_at_contact = [](double delay) {
     SimulationOptions options;

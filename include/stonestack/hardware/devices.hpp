@@ -41,7 +41,6 @@ struct GuardedMotion {
   Eigen::Vector3d n_W_direction =
       -Eigen::Vector3d::UnitZ();  ///< direction of motion; resistance points against it
   double threshold = 5.0;         ///< force [N] above the reading at its start
-  double sideways = 0.0;          ///< likewise across the direction [N]; 0: not felt
 };
 
 /// A six-joint arm. Every call has a deadline of its own and throws DeviceError when the device does not

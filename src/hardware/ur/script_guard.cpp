@@ -10,40 +10,15 @@ constexpr double kDamping = 0.1;      // of force mode, close to the controller'
 constexpr double kSideways = 0.05;    // m and rad that force mode may leave the other axes
 constexpr double kStandstill = 0.02;  // s that force mode needs before it
 
-/// Direction across a guarded motion, and the script's name of the force along it.
-struct Side {
-  const char* name;
-  Eigen::Vector3d n_B;
-};
-
-std::vector<Side> sides_of(const ScriptGuard& guard) {
-  if (guard.sideways <= 0.0) return {};
-  const Eigen::Vector3d u = guard.n_B_direction.unitOrthogonal();
-  return {{"stk_u", u}, {"stk_v", guard.n_B_direction.cross(u)}};
-}
-
-/// Streamed force along a direction.
-std::string component(const ScriptLines& out, const Eigen::Vector3d& n_B) {
-  std::string sum;
-  for (int axis = 0; axis < 3; ++axis)
-    sum += concat(axis == 0 ? "(" : " + ", to_script(n_B[axis]), " * read_input_float_register(",
-                  out.reg(axis), ")");
-  return sum + ")";
-}
-
 }  // namespace
 
 void define_guard(ScriptLines& out, const ScriptGuard& guard) {
   const ScriptOptions& o = out.options();
-  const std::vector<Side> sides = sides_of(guard);
+  const Eigen::Vector3d& n = guard.n_B_direction;
   out.add(1, "global stk_count = read_input_integer_register(", out.reg(1), ")");
   out.add(1, "global stk_silent = 0.0");
   out.add(1, "global stk_fresh = False");
   out.add(1, "global stk_zero = 0.0");
-  for (const Side& side : sides) {
-    out.add(1, "global ", side.name, " = 0.0");
-    out.add(1, "global ", side.name, "_zero = 0.0");
-  }
   out.add(1, "global stk_above = 0");
   out.add(1, "def stk_read_force():");
   out.add(2, "local count = read_input_integer_register(", out.reg(1), ")");
@@ -52,9 +27,9 @@ void define_guard(ScriptLines& out, const ScriptGuard& guard) {
   out.add(2, "if stk_fresh:");
   out.add(3, "stk_count = count");
   out.add(3, "stk_silent = 0.0");
-  out.add(3, "stk_force = 0.0 - ", component(out, guard.n_B_direction), " - stk_zero");
-  for (const Side& side : sides)
-    out.add(3, side.name, " = ", component(out, side.n_B), " - ", side.name, "_zero");
+  out.add(3, "stk_force = 0.0 - (", to_script(n.x()), " * read_input_float_register(", out.reg(0), ") + ",
+          to_script(n.y()), " * read_input_float_register(", out.reg(1), ") + ", to_script(n.z()),
+          " * read_input_float_register(", out.reg(2), ")) - stk_zero");
   out.add(2, "end");
   out.add(2, "if stk_silent > ", to_script(o.force_stale), ":");
   out.add(3, "stk_end = ", number(ScriptEnd::kStaleForce));
@@ -64,11 +39,7 @@ void define_guard(ScriptLines& out, const ScriptGuard& guard) {
   out.add(2, "stk_read_force()");
   out.add(2, "if stk_fresh:");
   out.add(3, "stk_above = stk_above + 1");
-  if (sides.empty())
-    out.add(3, "if stk_force <= ", to_script(guard.threshold), ":");
-  else
-    out.add(3, "if (stk_force <= ", to_script(guard.threshold),
-            ") and (sqrt(stk_u * stk_u + stk_v * stk_v) <= ", to_script(guard.sideways), "):");
+  out.add(3, "if stk_force <= ", to_script(guard.threshold), ":");
   out.add(4, "stk_above = 0");
   out.add(3, "end");
   out.add(3, "if (stk_above >= ", o.contact_samples, ") and (stk_end == 0):");
@@ -78,27 +49,20 @@ void define_guard(ScriptLines& out, const ScriptGuard& guard) {
   out.add(1, "end");
 }
 
-void take_zero(ScriptLines& out, const ScriptGuard& guard) {
+void take_zero(ScriptLines& out) {
   const int samples = kForceSamples;
-  const std::vector<Side> sides = sides_of(guard);
   out.add(1, "local sum = 0.0");
-  for (const Side& side : sides) out.add(1, "local ", side.name, "_sum = 0.0");
   out.add(1, "local taken = 0");
   out.add(1, "while (taken < ", samples, ") and (stk_end == 0):");
   out.add(2, "stk_read_force()");
   out.add(2, "if stk_fresh:");
   out.add(3, "sum = sum + stk_force");
-  for (const Side& side : sides) out.add(3, side.name, "_sum = ", side.name, "_sum + ", side.name);
   out.add(3, "taken = taken + 1");
   out.add(2, "end");
   out.add(2, "sync()");
   out.add(1, "end");
   out.add(1, "stk_zero = sum / ", to_script(samples));
   out.add(1, "stk_force = 0.0");
-  for (const Side& side : sides) {
-    out.add(1, side.name, "_zero = ", side.name, "_sum / ", to_script(samples));
-    out.add(1, side.name, " = 0.0");
-  }
 }
 
 void comply(ScriptLines& out, const ScriptGuard& guard) {

@@ -7,7 +7,7 @@ namespace stonestack::hardware {
 /// force falls silent. `stk_fresh` is true if the last call saw a new sample.
 void define_guard(ScriptLines& out, const ScriptGuard& guard);
 /// Takes the mean of the first samples, at rest, for no force.
-void take_zero(ScriptLines& out, const ScriptGuard& guard);
+void take_zero(ScriptLines& out);
 /// After contact: lets the stone find its seat under a light push.
 void comply(ScriptLines& out, const ScriptGuard& guard);
 

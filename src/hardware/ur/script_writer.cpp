@@ -169,7 +169,7 @@ std::string write_trajectory(const JointTrajectory& trajectory, const ScriptCont
 std::string write_guarded(const JointTrajectory& trajectory, const ScriptGuard& guard,
                           const ScriptContext& context) {
   require_trajectory(trajectory);
-  require(guard.threshold > 0 && guard.sideways >= 0 && std::abs(guard.n_B_direction.norm() - 1) < 1e-6,
+  require(guard.threshold > 0 && std::abs(guard.n_B_direction.norm() - 1) < 1e-6,
           "a guard needs a positive threshold and a unit direction, got ", guard.threshold, " N and length ",
           guard.n_B_direction.norm());
   ScriptLines out(context);
@@ -180,7 +180,7 @@ std::string write_guarded(const JointTrajectory& trajectory, const ScriptGuard& 
   define_lag(out);
   define_guard(out, guard);
   define_piece(out, true);
-  take_zero(out, guard);
+  take_zero(out);
   follow_pieces(out, trajectory, true);
   comply(out, guard);
   end_well(out, ScriptEnd::kNoContact);

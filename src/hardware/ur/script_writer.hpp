@@ -58,7 +58,6 @@ struct ScriptContext {
 struct ScriptGuard {
   Eigen::Vector3d n_B_direction = -Eigen::Vector3d::UnitZ();
   double threshold = 5.0;
-  double sideways = 0.0;
 };
 
 /// First of the registers in use: 24, or 0 before 3.9 (5.3).

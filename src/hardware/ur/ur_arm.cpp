@@ -76,9 +76,8 @@ struct UrArm::Device {
       return run(order);
     }
     const Pose T_W_B = T_W_R * robot.T_R_D;
-    order.script = write_guarded(
-        trajectory, {T_W_B.rotation().transpose() * guard->n_W_direction, guard->threshold, guard->sideways},
-        c);
+    order.script =
+        write_guarded(trajectory, {T_W_B.rotation().transpose() * guard->n_W_direction, guard->threshold}, c);
     double last_reading = -1.0;
     order.each_turn = [&](const UrStatus& status) { stream_force(status, last_reading); };
     return run(order);
@@ -163,7 +162,7 @@ MotionResult UrArm::follow(const JointTrajectory& trajectory) {
 }
 
 MotionResult UrArm::follow_guarded(const GuardedMotion& motion) {
-  require(motion.threshold > 0 && motion.sideways >= 0 && std::abs(motion.n_W_direction.norm() - 1) < 1e-6,
+  require(motion.threshold > 0 && std::abs(motion.n_W_direction.norm() - 1) < 1e-6,
           "a guard needs a positive threshold and a unit direction, got ", motion.threshold, " N and length ",
           motion.n_W_direction.norm());
   return device_->follow(motion.trajectory, &motion);
