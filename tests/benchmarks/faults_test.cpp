@@ -14,6 +14,16 @@ TEST_F(BenchCommand, FaultsThatTellMostBreakNoInvariant) {
   EXPECT_EQ(totals[0]["all_invariants_kept"], 16) << rows_of(done.data(), "broken").dump(1);
 }
 
+TEST_F(BenchCommand, FaultsOfACarryBreakNoInvariant) {
+  const Outcome done = run(
+      "faults --only 'motion lost,stops without notice,zero,camera moved,disk full' --phase transfer --json");
+  ASSERT_EQ(done.code, 0) << done.err;
+  const json totals = rows_of(done.data(), "totals");
+  ASSERT_EQ(totals.size(), 1U);
+  EXPECT_EQ(totals[0]["cells"], 5);
+  EXPECT_EQ(totals[0]["all_invariants_kept"], 5) << rows_of(done.data(), "broken").dump(1);
+}
+
 TEST_F(BenchCommand, FaultsRefuseAnUnknownName) {
   expect_refusal("faults --only nonsense", 2, {"no such fault"});
 }

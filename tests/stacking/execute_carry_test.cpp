@@ -101,7 +101,7 @@ TEST(Execute, TheGripperDecidesWhereTheWristIsUncertain) {
   EXPECT_EQ(ends(0.4, false), End::kLost);
 }
 
-TEST(Execute, WhatTheGripperHoldsIsNotDroppedForAWristThatMeasuresNothing) {
+TEST(Execute, AStoneThatTheGripperHoldsIsNotDroppedForADeadWrist) {
   Carried cell({1.0, 0.0});
   cell.gripper.object = true;
   const auto done = cell.Bench::run({Status::kContact});
