@@ -8,6 +8,7 @@
 #include "detection/constants.hpp"
 #include "detection/features/describe.hpp"
 #include "detection/features/matching.hpp"
+#include "detection/hypotheses/search_memory.hpp"
 #include "detection/hypotheses/sweep.hpp"
 #include "detection/judge/accept.hpp"
 #include "detection/scene/split_parts.hpp"
@@ -24,7 +25,12 @@ constexpr double kWellVisible = 0.13;     // of the whole surface
 struct SeenCluster {
   int view = 0;
   std::vector<int> points;
+  std::uint64_t name = 0;  ///< clusters of the same points have the same, in whatever turn
 };
+
+void name(std::vector<SeenCluster>& clusters, const SurfacePoints& seen) {
+  for (auto& c : clusters) c.name = fingerprint(seen, c.points, c.view);
+}
 
 std::vector<SeenCluster> seen_clusters(const DetectionScene& scene) {
   const std::size_t views = scene.views.size();
@@ -73,7 +79,7 @@ enum class Turn {
 struct SearchView {
   const Features* seen = nullptr;     ///< hypotheses from descriptors, if given
   std::vector<SeenCluster> clusters;  ///< and from all orientations on each of these
-  SweepOptions sweep;
+  bool thorough = false;              ///< sweep
 };
 
 /// Sweep of the last turn: as many orientations as the budget of a scene allows.
@@ -97,7 +103,7 @@ struct ModelSearch {
 };
 
 ModelSearch search_model(const DetectionModels::Data& data, StoneIndex stone, const DetectionScene& scene,
-                         const SearchView& view, const DetectionOptions& options) {
+                         const SearchView& view, const DetectionOptions& options, ModelMemory& memory) {
   const DetectionModel& model = at(data.models, stone);
   ModelSearch out;
   if (view.seen != nullptr) {
@@ -110,15 +116,18 @@ ModelSearch search_model(const DetectionModels::Data& data, StoneIndex stone, co
     grouping.best = kBestHypotheses;
     out.grouped = consistent_groups(out.matches, *view.seen, features, grouping);
   }
+  const SweepOptions sweep = view.thorough ? thorough_sweep() : SweepOptions{};
+  auto& swept = view.thorough ? memory.swept_thoroughly : memory.swept;
   for (const auto& cluster : view.clusters) {
+    const auto [known, is_new] = swept.try_emplace(cluster.name);
     const Eigen::Vector3f eye =
         scene.views[static_cast<std::size_t>(cluster.view)].T_C_V.translation().cast<float>();
-    const auto more = sweep_orientations(model, scene.surface, cluster.points, eye, view.sweep);
-    out.swept.insert(out.swept.end(), more.begin(), more.end());
+    if (is_new) known->second = sweep_orientations(model, scene.surface, cluster.points, eye, sweep);
+    out.swept.insert(out.swept.end(), known->second.begin(), known->second.end());
   }
   std::vector<Hypothesis> all = out.grouped;
   all.insert(all.end(), out.swept.begin(), out.swept.end());
-  out.candidates = judge_hypotheses(model, stone, all, scene, options);
+  out.candidates = judge_hypotheses(model, stone, all, scene, options, kKeptPoses, &memory);
   return out;
 }
 
@@ -136,12 +145,14 @@ void note_search(TracedTurn& turn, const ModelSearch& found, StoneIndex stone, c
 /// Candidates of every missing model.
 std::vector<Candidate> search(const DetectionModels::Data& data, const std::vector<StoneIndex>& missing,
                               const DetectionScene& scene, const SearchView& view,
-                              const DetectionOptions& options, TracedTurn* turn) {
+                              const DetectionOptions& options, std::vector<ModelMemory>& memory,
+                              TracedTurn* turn) {
   std::vector<StoneIndex> stones = missing;
   stones.erase(std::unique(stones.begin(), stones.end()), stones.end());
   std::vector<ModelSearch> found(stones.size());
-  tbb::parallel_for(std::size_t{0}, stones.size(),
-                    [&](std::size_t k) { found[k] = search_model(data, stones[k], scene, view, options); });
+  tbb::parallel_for(std::size_t{0}, stones.size(), [&](std::size_t k) {
+    found[k] = search_model(data, stones[k], scene, view, options, at(memory, stones[k]));
+  });
   std::vector<Candidate> all;
   for (std::size_t k = 0; k < stones.size(); ++k) {
     if (turn != nullptr) note_search(*turn, found[k], stones[k], view, data);
@@ -167,10 +178,11 @@ void note_candidates(TracedTurn& turn, const std::vector<Candidate>& all,
 }
 
 SearchView search_view(Turn turn, const DetectionScene& scene, const Features& seen) {
-  if (turn == Turn::kDescribe) return {&seen, {}, {}};
-  if (turn == Turn::kSweep) return {nullptr, seen_clusters(scene), {}};
-  if (turn == Turn::kParts) return {nullptr, with_parts(scene), {}};
-  return {nullptr, with_parts(scene), thorough_sweep()};
+  if (turn == Turn::kDescribe) return {&seen, {}, false};
+  SearchView view{nullptr, turn == Turn::kSweep ? seen_clusters(scene) : with_parts(scene),
+                  turn == Turn::kThorough};
+  name(view.clusters, scene.surface);
+  return view;
 }
 
 /// Chooses the next turn: what a turn has found sets something apart, so the cheap sweep is worth another
@@ -205,7 +217,7 @@ std::vector<KnownStone> poses_of(std::span<const Candidate> candidates) {
 
 /// Turn after turn until nothing more is found.
 void take_turns(const DetectionModels::Data& data, Search& so_far, const DetectionOptions& options,
-                DetectionTrace* trace) {
+                std::vector<ModelMemory>& memory, DetectionTrace* trace) {
   Turn turn = options.sweep ? Turn::kSweep : Turn::kDescribe;
   while (!so_far.missing.empty() && so_far.scene.clusters > 0) {
     throw_if_interrupted();
@@ -214,7 +226,7 @@ void take_turns(const DetectionModels::Data& data, Search& so_far, const Detecti
     const SearchView view = search_view(turn, so_far.scene, seen);
     TracedTurn* noted = trace != nullptr ? &trace->turns.emplace_back() : nullptr;
     if (noted != nullptr) note_scene(*noted, so_far.scene, seen);
-    auto found = search(data, so_far.missing, so_far.scene, view, options, noted);
+    auto found = search(data, so_far.missing, so_far.scene, view, options, memory, noted);
     auto accepted = without_conflicts(found, so_far.missing, so_far.scene, options, Demand::kCertain);
     if (accepted.empty() && !turn_after(turn, false, options)) {
       found.insert(found.end(), so_far.refused.begin(), so_far.refused.end());
@@ -236,7 +248,8 @@ void take_turns(const DetectionModels::Data& data, Search& so_far, const Detecti
 /// A stone may be refused because of one before it that was not found either, as the first one stands in its
 /// way: takes the likeliest refused pose for granted, searches for the rest then, and keeps all of it if
 /// that pose stands the check once the others are explained.
-void take_for_granted(const DetectionModels::Data& data, Search& so_far, const DetectionOptions& options) {
+void take_for_granted(const DetectionModels::Data& data, Search& so_far, const DetectionOptions& options,
+                      std::vector<ModelMemory>& memory) {
   auto refused = so_far.refused;
   std::erase_if(refused, [&](const Candidate& c) {
     return c.detection.score < options.accept_score - kNearlyAccepted || c.detection.visible < kWellVisible ||
@@ -250,7 +263,7 @@ void take_for_granted(const DetectionModels::Data& data, Search& so_far, const D
   Search rest{so_far.missing, without_stones(so_far.scene, data, granted), {}, {}};
   take(rest, *best);
   rest.taken.clear();
-  take_turns(data, rest, options, nullptr);
+  take_turns(data, rest, options, memory, nullptr);
   if (rest.taken.empty()) return;
   const DetectionScene alone = without_stones(so_far.scene, data, poses_of(rest.taken));
   const Hypothesis again{best->detection.T_C_O, 1.0};
@@ -267,8 +280,9 @@ std::vector<Candidate> search_in_turns(const DetectionModels::Data& data, std::v
                                        DetectionScene scene, const DetectionOptions& options,
                                        DetectionTrace* trace) {
   Search so_far{std::move(missing), std::move(scene), {}, {}};
-  take_turns(data, so_far, options, trace);
-  if (options.sweep && !so_far.missing.empty()) take_for_granted(data, so_far, options);
+  std::vector<ModelMemory> memory(data.models.size());
+  take_turns(data, so_far, options, memory, trace);
+  if (options.sweep && !so_far.missing.empty()) take_for_granted(data, so_far, options, memory);
   return std::move(so_far.taken);
 }
 
