@@ -35,21 +35,25 @@ RefineOptions fine_refinement() {
   return {15, 0.6 * kIcpGate, 0.004, 0.0015, 0.6};
 }
 
-Coarse coarse_pose(const DetectionModel& model, const Pose& T_C_O, const DetectionScene& scene) {
-  const auto near = points_near(model, T_C_O, scene.surface, kIcpGate, kCoarsePoints);
+Coarse coarse_pose(const DetectionModel& model, const Pose& T_C_O, const DetectionScene& scene,
+                   PointsAround& around) {
+  const auto near =
+      points_near(model, T_C_O, scene.surface, kIcpGate, kCoarsePoints, around.of(T_C_O, kIcpGate));
   const Refined refined = refine_pose(model, T_C_O, scene.surface, near, coarse_refinement());
   const VerifyOptions loose{2.0 * tolerance(model, refined.T_C_O, scene), kHiddenWeight, 0.025, 300};
-  return {refined.T_C_O, verify_pose(model, refined.T_C_O, scene, loose).score};
+  return {refined.T_C_O,
+          verify_pose(model, refined.T_C_O, scene, loose, around.of(refined.T_C_O, kBesideModel)).score};
 }
 
 std::vector<Coarse> coarse_poses(const DetectionModel& model, std::span<const Hypothesis> hypotheses,
                                  const DetectionScene& scene, std::size_t max, ModelMemory* memory) {
   std::vector<Coarse> poses;
+  PointsAround around(model, scene.surface);
   for (const auto& h : hypotheses) {
     throw_if_interrupted();
     const auto* known = memory != nullptr ? memory->coarse.find(model, h.T_C_O, scene) : nullptr;
-    const Coarse pose =
-        known != nullptr ? Coarse{known->T_C_O_last, known->verdict} : coarse_pose(model, h.T_C_O, scene);
+    const Coarse pose = known != nullptr ? Coarse{known->T_C_O_last, known->verdict}
+                                         : coarse_pose(model, h.T_C_O, scene, around);
     if (memory != nullptr && known == nullptr)
       memory->coarse.keep(model, h.T_C_O, pose.T_C_O, scene, pose.score);
     if (pose.score > -0.9) poses.push_back(pose);

@@ -9,7 +9,7 @@
 namespace stonestack::detection {
 namespace {
 
-constexpr int kBesideModel = 24;      // px: outline checks reach 18 px beyond a model (compare_contour)
+constexpr int kBesidePixels = 24;     // px: outline checks reach 18 px beyond a model (compare_contour)
 constexpr double kBesideBall = 0.02;  // m: gates of registrations and surface beside a model reach 15 mm
 
 /// Adds 64 bits to a fingerprint (the finalizer of SplitMix64, Steele, Lea and Flood 2014).
@@ -37,10 +37,10 @@ PixelBox pixels_about(const DetectionModel& model, const Pose& T_V_O, const Came
   }
   if (!box.min().allFinite() || !box.max().allFinite()) return all;
   const auto within = [](double x, int size) { return static_cast<int>(std::clamp(x, 0.0, 1.0 * size)); };
-  return {within(box.min().x() - kBesideModel, camera.width),
-          within(box.min().y() - kBesideModel, camera.height),
-          within(box.max().x() + kBesideModel + 1, camera.width),
-          within(box.max().y() + kBesideModel + 1, camera.height)};
+  return {within(box.min().x() - kBesidePixels, camera.width),
+          within(box.min().y() - kBesidePixels, camera.height),
+          within(box.max().x() + kBesidePixels + 1, camera.width),
+          within(box.max().y() + kBesidePixels + 1, camera.height)};
 }
 
 long explained_within(const SeenView& view, const PixelBox& box) {
