@@ -77,7 +77,8 @@ enum class Turn {
 
 /// Settings of one pass over a scene.
 struct SearchView {
-  const Features* seen = nullptr;     ///< hypotheses from descriptors, if given
+  bool describes = false;             ///< hypotheses from descriptors: ...
+  const Features* seen = nullptr;     ///< ... of these, where the memory has none
   std::vector<SeenCluster> clusters;  ///< and from all orientations on each of these
   bool thorough = false;              ///< sweep
 };
@@ -106,7 +107,9 @@ ModelSearch search_model(const DetectionModels::Data& data, StoneIndex stone, co
                          const SearchView& view, const DetectionOptions& options, ModelMemory& memory) {
   const DetectionModel& model = at(data.models, stone);
   ModelSearch out;
-  if (view.seen != nullptr) {
+  if (view.describes && memory.grouped) {
+    out.grouped = *memory.grouped;
+  } else if (view.describes) {
     const Features& features = features_of(model, data.options);
     out.matches = options.matching == "kdtree" ? match_features_kdtree(*view.seen, features, kNeighbours)
                                                : match_features(*view.seen, features, kNeighbours);
@@ -115,6 +118,7 @@ ModelSearch search_model(const DetectionModels::Data& data, StoneIndex stone, co
     grouping.fewest = kMinConsistent;
     grouping.best = kBestHypotheses;
     out.grouped = consistent_groups(out.matches, *view.seen, features, grouping);
+    memory.grouped = out.grouped;
   }
   const SweepOptions sweep = view.thorough ? thorough_sweep() : SweepOptions{};
   auto& swept = view.thorough ? memory.swept_thoroughly : memory.swept;
@@ -177,11 +181,28 @@ void note_candidates(TracedTurn& turn, const std::vector<Candidate>& all,
   for (const std::size_t i : taken) turn.candidates[i].accepted = true;
 }
 
-SearchView search_view(Turn turn, const DetectionScene& scene, const Features& seen) {
-  if (turn == Turn::kDescribe) return {&seen, {}, false};
-  SearchView view{nullptr, turn == Turn::kSweep ? seen_clusters(scene) : with_parts(scene),
-                  turn == Turn::kThorough};
-  name(view.clusters, scene.surface);
+/// How far a search has come.
+struct Search {
+  std::vector<StoneIndex> missing;
+  DetectionScene scene;  ///< what is still unexplained
+  std::vector<Candidate> taken;
+  std::vector<Candidate> refused;  ///< since something was taken last
+  std::vector<SeenCluster> parts;  ///< of `scene`, once they were looked for
+};
+
+SearchView search_view(Turn turn, Search& so_far, const Features& seen) {
+  if (turn == Turn::kDescribe) return {true, &seen, {}, false};
+  SearchView view{false, nullptr, {}, turn == Turn::kThorough};
+  if (turn == Turn::kSweep) {
+    view.clusters = seen_clusters(so_far.scene);
+    name(view.clusters, so_far.scene.surface);
+    return view;
+  }
+  if (so_far.parts.empty()) {
+    so_far.parts = with_parts(so_far.scene);
+    name(so_far.parts, so_far.scene.surface);
+  }
+  view.clusters = so_far.parts;
   return view;
 }
 
@@ -195,14 +216,6 @@ std::optional<Turn> turn_after(Turn turn, bool found, const DetectionOptions& op
   if (turn == Turn::kDescribe) return Turn::kThorough;
   return {};
 }
-
-/// How far a search has come.
-struct Search {
-  std::vector<StoneIndex> missing;
-  DetectionScene scene;  ///< what is still unexplained
-  std::vector<Candidate> taken;
-  std::vector<Candidate> refused;  ///< since something was taken last
-};
 
 void take(Search& search, Candidate candidate) {
   search.missing.erase(std::find(search.missing.begin(), search.missing.end(), candidate.detection.stone));
@@ -222,8 +235,11 @@ void take_turns(const DetectionModels::Data& data, Search& so_far, const Detecti
   while (!so_far.missing.empty() && so_far.scene.clusters > 0) {
     throw_if_interrupted();
     Features seen;
-    if (turn == Turn::kDescribe) seen = describe_scene(so_far.scene, data.options);
-    const SearchView view = search_view(turn, so_far.scene, seen);
+    const bool described = std::all_of(so_far.missing.begin(), so_far.missing.end(), [&](StoneIndex stone) {
+      return at(memory, stone).grouped.has_value();
+    });
+    if (turn == Turn::kDescribe && !described) seen = describe_scene(so_far.scene, data.options);
+    const SearchView view = search_view(turn, so_far, seen);
     TracedTurn* noted = trace != nullptr ? &trace->turns.emplace_back() : nullptr;
     if (noted != nullptr) note_scene(*noted, so_far.scene, seen);
     auto found = search(data, so_far.missing, so_far.scene, view, options, memory, noted);
@@ -237,6 +253,7 @@ void take_turns(const DetectionModels::Data& data, Search& so_far, const Detecti
     for (const std::size_t i : accepted) take(so_far, found[i]);
     so_far.scene =
         without_stones(std::move(so_far.scene), data, poses_of(std::span(so_far.taken).subspan(before)));
+    if (!accepted.empty()) so_far.parts.clear();
     so_far.refused.clear();  // where something was found, they are judged anew
     if (accepted.empty()) so_far.refused = std::move(found);
     const auto next = turn_after(turn, !accepted.empty(), options);
@@ -260,7 +277,7 @@ void take_for_granted(const DetectionModels::Data& data, Search& so_far, const D
       [](const Candidate& a, const Candidate& b) { return a.detection.score < b.detection.score; });
   if (best == refused.end()) return;
   const auto granted = poses_of(std::span(&*best, 1));
-  Search rest{so_far.missing, without_stones(so_far.scene, data, granted), {}, {}};
+  Search rest{so_far.missing, without_stones(so_far.scene, data, granted), {}, {}, {}};
   take(rest, *best);
   rest.taken.clear();
   take_turns(data, rest, options, memory, nullptr);
@@ -279,7 +296,7 @@ void take_for_granted(const DetectionModels::Data& data, Search& so_far, const D
 std::vector<Candidate> search_in_turns(const DetectionModels::Data& data, std::vector<StoneIndex> missing,
                                        DetectionScene scene, const DetectionOptions& options,
                                        DetectionTrace* trace) {
-  Search so_far{std::move(missing), std::move(scene), {}, {}};
+  Search so_far{std::move(missing), std::move(scene), {}, {}, {}};
   std::vector<ModelMemory> memory(data.models.size());
   take_turns(data, so_far, options, memory, trace);
   if (options.sweep && !so_far.missing.empty()) take_for_granted(data, so_far, options, memory);

@@ -69,8 +69,10 @@ void PoseMemory<T>::keep(const DetectionModel& model, const Pose& T_C_O, const P
   judged_[fingerprint(T_C_O)] = {T_C_O_last, state_about(model, T_C_O_last, scene), std::move(verdict)};
 }
 
-/// What a search has found out about one model in earlier turns.
+/// Findings of a search about one model in its earlier turns.
 struct ModelMemory {
+  /// From descriptors: of what is left of a scene they are as they were, but near what was taken.
+  std::optional<std::vector<Hypothesis>> grouped;
   std::unordered_map<std::uint64_t, std::vector<Hypothesis>> swept;  ///< by cluster, of the quick sweep ...
   std::unordered_map<std::uint64_t, std::vector<Hypothesis>> swept_thoroughly;  ///< ... and of the other
   PoseMemory<double> coarse;                  ///< score of a coarse registration
