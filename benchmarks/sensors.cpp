@@ -101,7 +101,7 @@ double median(const std::vector<FlatWindow>& windows, Value&& value) {
   return *middle;
 }
 
-/// What the sensor's model makes of a wall at that depth, turned by that much.
+/// Windows of a wall as the sensor's model shows it at that depth, turned by that much.
 std::vector<FlatWindow> modelled(const SensorModel& sensor, double depth, double cosine, Random& random) {
   RayScene wall;
   const Eigen::Quaterniond tilt(

@@ -11,7 +11,7 @@ namespace stonestack::stone {
 namespace {
 
 constexpr const char* kStoneSchema = "stonestack.stone/1";
-constexpr std::size_t kMostSymmetries = 100;  // axes, or planes
+constexpr std::size_t kMaxSymmetries = 100;  // axes, or planes
 
 /// Shortest text that reads back as the same number.
 std::string number(double value) {
@@ -95,8 +95,8 @@ Eigen::Vector3d read_direction(yaml::Map& map, const std::string& key) {
 template <class Read>
 void for_each_map(yaml::Map& map, const std::string& key, const Read& read) {
   const YAML::Node list = map.node(key);
-  if (!list.IsSequence() || list.size() > kMostSymmetries)
-    map.fail(key, "is no short list", concat("it must be a list of at most ", kMostSymmetries, " entries"));
+  if (!list.IsSequence() || list.size() > kMaxSymmetries)
+    map.fail(key, "is no short list", concat("it must be a list of at most ", kMaxSymmetries, " entries"));
   for (std::size_t k = 0; k < list.size(); ++k) {
     yaml::Map entry(list[k], map.path(), concat("symmetries.", key, "[", k, "]"));
     read(entry);

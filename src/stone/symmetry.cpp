@@ -12,18 +12,18 @@
 namespace stonestack::stone {
 namespace {
 
-constexpr std::size_t kFewSamples = 60;       // of a first test
-constexpr std::size_t kManySamples = 600;     // of the verdict
-constexpr double kSymmetryTolerance = 0.015;  // of the diagonal: dents and relief of a shape that is one
-constexpr double kWorthRefining = 4.0;        // times the tolerance, before the search
-constexpr double kNearlyAsLong = 0.12;        // of the larger of two variances
-constexpr int kAcross = 36;                   // directions across an axis, 5 deg apart
-constexpr std::size_t kLargeFaces = 6;        // directions
-constexpr double kSameFace = 0.995;           // cosine: 6 deg
-constexpr double kSameDirection = 0.998;      // cosine: 4 deg, well within the reach of the search
-constexpr double kSameAxis = 0.985;           // cosine: 10 deg
-constexpr double kSameTurn = 0.2;             // rad: axes are found within a few degrees
-constexpr std::size_t kMostTurns = 60;        // of an icosahedron
+constexpr std::size_t kFewSamples = 60;        // of a first test
+constexpr std::size_t kManySamples = 600;      // of the verdict
+constexpr double kSymmetryTolerance = 0.015;   // of the diagonal: dents and relief of a shape that is one
+constexpr double kWorthRefining = 4.0;         // times the tolerance, before the search
+constexpr double kNearlyAsLong = 0.12;         // of the larger of two variances
+constexpr int kAcross = 36;                    // directions across an axis, 5 deg apart
+constexpr std::size_t kLargeFaces = 6;         // directions
+constexpr double kSameFace = 0.995;            // cosine: 6 deg
+constexpr double kSameDirection = 0.998;       // cosine: 4 deg, well within the reach of the search
+constexpr double kSameAxis = 0.985;            // cosine: 10 deg
+constexpr double kSameTurn = 0.2;              // rad: axes are found within a few degrees
+constexpr std::size_t kMaxTurnsOfAShape = 60;  // of an icosahedron
 constexpr std::array<double, 5> kAnyAngles = {0.36, 0.83, 1.37, 2.11, 2.71};  // rad, no fractions of a turn
 
 /// Surface of a mesh, and how far a copy of it lies from itself.
@@ -164,7 +164,8 @@ bool known(const std::vector<SymmetryAxis>& axes, const Eigen::Vector3d& n) {
                      [&](const SymmetryAxis& a) { return std::abs(a.n_O.dot(n)) > kSameAxis; });
 }
 
-/// How far the turns by all multiples of 360 deg / order about an axis take the surface from itself.
+/// Largest distance by which turns by multiples of 360 deg / order about an axis take the surface from
+/// itself.
 double worst_turn(const Shape& shape, const Eigen::Vector3d& n, int order) {
   double worst = 0.0;
   for (int k = 1; k < order; ++k)
@@ -172,7 +173,7 @@ double worst_turn(const Shape& shape, const Eigen::Vector3d& n, int order) {
   return worst;
 }
 
-/// The same for turns by any angle.
+/// Largest distance by which turns by any angle do so.
 double worst_of_any(const Shape& shape, const Eigen::Vector3d& n) {
   double worst = 0.0;
   for (const double angle : kAnyAngles)
@@ -248,7 +249,7 @@ std::vector<Pose> discrete_turns(const Symmetries& symmetries) {
     const bool is_new = std::none_of(turns.begin(), turns.end(), [&](const Eigen::Matrix3d& other) {
       return Eigen::AngleAxisd(other.transpose() * R).angle() < kSameTurn;
     });
-    if (is_new && turns.size() <= kMostTurns) turns.push_back(R);
+    if (is_new && turns.size() <= kMaxTurnsOfAShape) turns.push_back(R);
   };
   for (const auto& axis : symmetries.axes)
     for (int k = 1; k < axis.order; ++k) add(turn(axis.n_O, 2.0 * std::numbers::pi * k / axis.order));

@@ -33,7 +33,7 @@ struct Refined {
 [[nodiscard]] std::vector<int> points_near(const DetectionModel& model, const Pose& T_C_O,
                                            const SurfacePoints& seen, double margin, int max);
 
-/// The same for a pose about which no other points are than `among`, ascending.
+/// Picks likewise for a pose about which no other points are than `among`, ascending.
 [[nodiscard]] std::vector<int> points_near(const DetectionModel& model, const Pose& T_C_O,
                                            const SurfacePoints& seen, double margin, int max,
                                            std::span<const int> among);

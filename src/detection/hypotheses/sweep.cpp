@@ -9,8 +9,8 @@
 namespace stonestack::detection {
 namespace {
 
-// Of the squared reach: nothing that costs more is a hypothesis. With three times as much, twice as many poses
-// are judged and no more stones found (bench: hidden, and frames of an Xtion).
+// Of the squared reach: nothing that costs more is a hypothesis. With three times as much, twice as many
+// poses are judged and no more stones found (bench: hidden, and frames of an Xtion).
 constexpr float kWorstMisfit = 0.4F;
 
 /// A point of a patch and its normal.

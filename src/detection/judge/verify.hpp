@@ -23,7 +23,8 @@ struct Verdict {
   std::vector<SeenPixel> pixels;  ///< that fit, on the drawn raster
 };
 
-inline constexpr double kBesideModel = 0.012;  ///< m off the surface: further is another thing
+inline constexpr double kBesideModel =
+    0.012;  ///< distance from the surface beyond which there is another thing [m]
 
 /// Tolerances and weights of a check.
 struct VerifyOptions {
@@ -44,8 +45,8 @@ struct VerifyOptions {
 [[nodiscard]] Verdict verify_pose(const DetectionModel& model, const Pose& T_C_O, const DetectionScene& scene,
                                   const VerifyOptions& options);
 
-/// The same, with the indices `around` of all points of the scene's surface that lie within kBesideModel of
-/// the model's bounding sphere at the pose, and perhaps of others.
+/// Compares likewise, with the indices `around` of all points of the scene's surface that lie within
+/// kBesideModel of the model's bounding sphere at the pose, and perhaps of others.
 [[nodiscard]] Verdict verify_pose(const DetectionModel& model, const Pose& T_C_O, const DetectionScene& scene,
                                   const VerifyOptions& options, std::span<const int> around);
 
