@@ -132,7 +132,7 @@ void add_detection(CLI::App& app) {
       "quantile of the squared Mahalanobis distance over what it should be; score p5: 5 % quantile of right "
       "scores\n"
       "BOP data sets are scored as the BOP toolkit does (MSSD, MSPD), with the symmetries of "
-      "models_info.json.");
+      "models_info.json or,\nwhere it names none, of the meshes.");
   measure_by(*sub, [command](Results& results) {
     if (command->bop.empty()) return measure(*command, command->common.read().stones, results);
     results.settings({{"bop", command->bop}, {"split", command->bop_split}});

@@ -9,6 +9,7 @@
 #include "geometry/depth_sequence.hpp"
 #include "geometry/json_file.hpp"
 #include "pose_error.hpp"
+#include "stone/symmetry.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/geometry/mesh.hpp"
 
@@ -33,6 +34,7 @@ struct BopModels {
   std::vector<int> ids;
   std::vector<Stone> stones;
   std::vector<ScoredObject> scored;
+  bool from_meshes = false;  ///< symmetries, which models_info.json does not know
 };
 
 StoneIndex index_of(const BopModels& models, int object, const std::string& path) {
@@ -66,6 +68,25 @@ AxisOfSymmetry read_axis(const nlohmann::json& entry, const std::string& path) {
   return {axis.normalized(), 0.001 * Eigen::Vector3d(p[0], p[1], p[2])};
 }
 
+/// An object with the symmetries that its mesh shows.
+ScoredObject scored_by_shape(const Mesh& mesh, const nlohmann::json& info, const std::string& path) {
+  const Symmetries found = find_symmetries(mesh);
+  std::vector<AxisOfSymmetry> axes;
+  for (const auto& axis : found.axes)
+    if (axis.order == 0) axes.push_back({axis.n_O, found.p_O});
+  std::optional<double> diameter;
+  if (!info.is_null() && info.contains("diameter"))
+    diameter = 0.001 * number_of(info, "diameter", 1e-3, 1e6, path);
+  return make_scored_object(mesh, symmetries(discrete_turns(found), axes), diameter);
+}
+
+/// True if some object of models_info.json has a symmetry: those without are known to have none then.
+bool names_symmetries(const nlohmann::json& info) {
+  return std::any_of(info.begin(), info.end(), [](const nlohmann::json& entry) {
+    return entry.contains("symmetries_discrete") || entry.contains("symmetries_continuous");
+  });
+}
+
 /// An entry of models_info.json; `info` is null where there is none.
 ScoredObject scored_object(const Mesh& mesh, const nlohmann::json& info, const std::string& path) {
   if (info.is_null()) return make_scored_object(mesh, std::nullopt, std::nullopt);
@@ -90,14 +111,16 @@ BopModels read_models(const std::string& folder) {
   const std::string info_path = folder + "/models/models_info.json";
   const nlohmann::json info = fs::exists(info_path) ? read_json(info_path) : nlohmann::json::object();
   BopModels models;
+  models.from_meshes = !names_symmetries(info);
   for (const auto& path : paths) {
     Stone stone;
     stone.name = fs::path(path).stem().string();
     stone.mesh = scaled(read_mesh(path), 0.001);
     models.ids.push_back(number_in(stone.name, path));
     const std::string id = std::to_string(models.ids.back());
-    models.scored.push_back(
-        scored_object(stone.mesh, info.contains(id) ? info[id] : nlohmann::json(), info_path));
+    const nlohmann::json entry = info.contains(id) ? info[id] : nlohmann::json();
+    models.scored.push_back(models.from_meshes ? scored_by_shape(stone.mesh, entry, info_path)
+                                               : scored_object(stone.mesh, entry, info_path));
     models.stones.push_back(std::move(stone));
   }
   return models;
@@ -307,6 +330,8 @@ void report(const std::string& method, const BopModels& models, const std::vecto
     all.add(scores[i]);
   }
   if (all.present + all.absent > 0) row("all", "", all, known);
+  if (models.from_meshes)
+    results.note("models/models_info.json names no symmetry: those that the meshes show are counted");
   if (!known)
     results.note(
         "models/models_info.json does not have all objects: their symmetries are unknown, and only ADD-S is "

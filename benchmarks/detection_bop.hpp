@@ -14,7 +14,8 @@ namespace stonestack::bench {
 /// MSPD, averaged over ten thresholds, and of ADD-S below a tenth of the diameter; also how many were found
 /// within 5 deg and 5 mm, and with ADD-S below 5 mm, and how often an object was reported where the truth of
 /// an image does not have it. All but ADD-S take symmetries from models/models_info.json and are left empty
-/// without it. Throws FileError.
+/// for an object that it does not have; where it names none of any object, they are those of the meshes.
+/// Throws FileError.
 void run_bop(const std::string& folder, const std::string& split, const std::string& csv,
              const DetectionOptions& options, Results& results);
 

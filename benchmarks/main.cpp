@@ -1,6 +1,7 @@
 #include "bench.hpp"
 #include "problems.hpp"
 #include "program.hpp"
+#include "sensors.hpp"
 #include "soak.hpp"
 #include "structures.hpp"
 #include "walls.hpp"
@@ -22,7 +23,8 @@ void set_up(CLI::App& app) {
         add_grasp,     add_hold,         add_rest,     add_motion,      add_collision,   add_cartesian,
         add_timing,    add_descent,      add_rtde,     add_results,     add_site,        add_structures,
         add_walls,     add_tasks,        add_problems, add_solve,       add_score,       add_grippers,
-        add_modelling, add_schedule,     add_soak,     add_resume,      add_push,        add_faults})
+        add_modelling, add_schedule,     add_soak,     add_resume,      add_push,        add_faults,
+        add_sensors})
     add(app);
 }
 

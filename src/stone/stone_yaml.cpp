@@ -2,6 +2,7 @@
 
 #include <array>
 #include <charconv>
+#include <cmath>
 
 #include "core/yaml.hpp"
 #include "geometry/pose_yaml.hpp"
@@ -10,6 +11,7 @@ namespace stonestack::stone {
 namespace {
 
 constexpr const char* kStoneSchema = "stonestack.stone/1";
+constexpr std::size_t kMaxSymmetries = 100;  // axes, or planes
 
 /// Shortest text that reads back as the same number.
 std::string number(double value) {
@@ -64,6 +66,60 @@ int read_count(yaml::Map& map, const std::string& key, int low, int high) {
   return count;
 }
 
+std::string vector_text(const Eigen::Vector3d& v) {
+  return concat("{x: ", number(v.x()), ", y: ", number(v.y()), ", z: ", number(v.z()), "}");
+}
+
+std::string symmetries_text(const Symmetries& s) {
+  if (s.axes.empty() && s.planes.empty()) return "";
+  std::string text =
+      concat("symmetries:  # of the shape; order 0: turned by any angle\n  point: ", vector_text(s.p_O),
+             "  # m, in O, of all axes and planes\n  axes: [");
+  for (const auto& axis : s.axes)
+    text += concat(&axis == &s.axes.front() ? "" : ",\n         ", "{direction: ", vector_text(axis.n_O),
+                   ", order: ", axis.order, ", deviation: ", number(axis.deviation), "}");
+  text += "]\n  planes: [";
+  for (const auto& plane : s.planes)
+    text += concat(&plane == &s.planes.front() ? "" : ",\n           ", "{normal: ", vector_text(plane.n_O),
+                   ", deviation: ", number(plane.deviation), "}");
+  return text + "]\n";
+}
+
+Eigen::Vector3d read_direction(yaml::Map& map, const std::string& key) {
+  const Eigen::Vector3d n = read_vector(map.map(key));
+  if (std::abs(n.norm() - 1.0) > 1e-3) map.fail(key, concat("is ", n.norm(), " long"), "it must be 1 long");
+  return n;
+}
+
+/// Calls `read` for every map of the list `key`.
+template <class Read>
+void for_each_map(yaml::Map& map, const std::string& key, const Read& read) {
+  const YAML::Node list = map.node(key);
+  if (!list.IsSequence() || list.size() > kMaxSymmetries)
+    map.fail(key, "is no short list", concat("it must be a list of at most ", kMaxSymmetries, " entries"));
+  for (std::size_t k = 0; k < list.size(); ++k) {
+    yaml::Map entry(list[k], map.path(), concat("symmetries.", key, "[", k, "]"));
+    read(entry);
+    entry.finish();
+  }
+}
+
+Symmetries read_symmetries(yaml::Map map) {
+  Symmetries s;
+  s.p_O = read_vector(map.map("point"));
+  for_each_map(map, "axes", [&](yaml::Map& entry) {
+    const Eigen::Vector3d n = read_direction(entry, "direction");
+    const int order = read_count(entry, "order", 0, 100);
+    s.axes.push_back({n, order, entry.number("deviation", 0.0, 2.0)});
+  });
+  for_each_map(map, "planes", [&](yaml::Map& entry) {
+    const Eigen::Vector3d n = read_direction(entry, "normal");
+    s.planes.push_back({n, entry.number("deviation", 0.0, 2.0)});
+  });
+  map.finish();
+  return s;
+}
+
 double read_positive(yaml::Map& map, const std::string& key, double max, const std::string& unit) {
   const double value = map.number(key);
   if (value <= 0.0 || value > max)
@@ -73,7 +129,7 @@ double read_positive(yaml::Map& map, const std::string& key, double max, const s
 
 }  // namespace
 
-std::string stone_to_yaml(const Stone& s) {
+std::string stone_to_yaml(const Stone& s, const Symmetries& symmetries) {
   const Eigen::Vector3d& c = s.mass.p_O_M;
   const Eigen::Matrix3d& I = s.mass.I_M;
   return concat(
@@ -89,7 +145,7 @@ std::string stone_to_yaml(const Stone& s) {
       "  # of mesh.ply\npieces: ", s.pieces.size(), "  # convex pieces, pieces/1.ply and so on\n",
       "mesh_deviation: ", deviation_text(s.mesh_deviation), "  # m, mesh.ply from scan.ply, both ways\n",
       "contact_deviation: ", deviation_text(s.contact_deviation),
-      "  # m, the surface that physics collides with from scan.ply\n");
+      "  # m, the surface that physics collides with from scan.ply\n", symmetries_text(symmetries));
 }
 
 StoneFile read_stone_yaml(const std::string& path) {
@@ -112,6 +168,7 @@ StoneFile read_stone_yaml(const std::string& path) {
   file.pieces = read_count(map, "pieces", 1, 1000);
   stone.mesh_deviation = read_deviation(map.map("mesh_deviation"));
   stone.contact_deviation = read_deviation(map.map("contact_deviation"));
+  if (map.has("symmetries")) file.symmetries = read_symmetries(map.map("symmetries"));
   map.finish();
   return file;
 }

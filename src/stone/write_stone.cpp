@@ -64,7 +64,7 @@ void write_stone(const std::string& catalogue_path, const Stone& stone) {
   write_mesh((part.path / "scan.ply").string(), stone.scan);
   for (std::size_t n = 0; n < stone.pieces.size(); ++n)
     write_mesh((part.path / "pieces" / concat(n + 1, ".ply")).string(), stone.pieces[n]);
-  write_file((part.path / "stone.yaml").string(), stone_to_yaml(stone));
+  write_file((part.path / "stone.yaml").string(), stone_to_yaml(stone, find_symmetries(stone.mesh)));
   put_in_place(part.path, catalogue / stone.name);
 }
 

@@ -164,7 +164,13 @@ TEST_F(BenchCommand, ASymmetricObjectMayBeFoundTurnedByItsSymmetry) {
     EXPECT_EQ(scored.code, 0) << scored.err;
     return rows_of(scored.data(), "true poses found by default")[0];
   };
-  const json none = score(R"({"1": {}})");
+  const json of_mesh = score(R"({"1": {}})");
+  EXPECT_EQ(of_mesh["symmetries"], "2 poses") << "no object has any in the file: the mesh shows it";
+  EXPECT_EQ(of_mesh["within_5_deg_5_mm"], 1);
+  EXPECT_EQ(of_mesh["mssd_recall_percent"], 100.0);
+  const std::string other =
+      R"("2": {"symmetries_discrete": [[-1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]]})";
+  const json none = score(concat(R"({"1": {}, )", other, "}"));
   EXPECT_EQ(none["symmetries"], "none");
   EXPECT_EQ(none["within_5_deg_5_mm"], 0);
   EXPECT_LT(none["mssd_recall_percent"].get<double>(), 20.0);
@@ -179,7 +185,7 @@ TEST_F(BenchCommand, ASymmetricObjectMayBeFoundTurnedByItsSymmetry) {
       score(R"({"1": {"symmetries_continuous": [{"axis": [0, 0, 1], "offset": [0, 0, 0]}]}})");
   EXPECT_EQ(continuous["within_5_deg_5_mm"], 1);
   EXPECT_EQ(continuous["mssd_recall_percent"], 100.0);
-  fs::remove(folder_ + "/bop/models/models_info.json");
+  write("bop/models/models_info.json", concat("{", other, "}"));
   const Outcome unknown = run(command);
   EXPECT_THAT(unknown.err, HasSubstr("symmetries are unknown"));
   const json by_distance = rows_of(unknown.data(), "true poses found by default")[0];

@@ -15,6 +15,7 @@
 #include "detection/judge/verify.hpp"
 #include "detection/scene/preprocess.hpp"
 #include "detection/test_scene.hpp"
+#include "stonestack/core/random.hpp"
 
 namespace stonestack::detection {
 namespace {
@@ -43,6 +44,32 @@ TEST(Preprocess, FindsTheTableAndOneClusterAStone) {
   EXPECT_LT(std::acos(scene.table_C->normal.dot(up_C)), 0.2 * kDegree);
   EXPECT_NEAR(scene.table_C->distance(T_W_C.inverse() * Eigen::Vector3d::Zero()), 0.0, 0.0005);
   EXPECT_EQ(scene.clusters, 2);
+}
+
+TEST(SurfaceField, GivesSamplesThatAreHardlyFurtherThanTheNearest) {
+  const SurfacePoints cube = cube_surface(0.08, 0.003);
+  const SurfaceField field(cube.points, 0.003F, 0.020F);
+  Random random = Random::stream(1, "surface field");
+  double further = 0.0;
+  int within = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const auto place = [&] { return static_cast<float>(random.uniform(-0.062, 0.062)); };
+    const Eigen::Vector3f p(place(), place(), place());
+    float nearest = 1.0F;
+    for (const auto& q : cube.points) nearest = std::min(nearest, (p - q).norm());
+    const int k = field.nearest(p);
+    if (nearest > 0.023F) {
+      EXPECT_EQ(k, -1);
+    }
+    if (nearest > 0.017F) continue;
+    ASSERT_GE(k, 0) << nearest;
+    const float off = (p - cube.points[static_cast<std::size_t>(k)]).norm() - nearest;
+    EXPECT_LT(off, 0.0053F) << "two half diagonals of a cell";
+    further += off;
+    ++within;
+  }
+  EXPECT_GT(within, 1000);
+  EXPECT_LT(further / within, 0.0005);
 }
 
 TEST(Keypoints, VoxelKeypointsAreApartAndCover) {

@@ -57,6 +57,20 @@ SurfacePoints as_seen(const SurfacePoints& dense, const SurfaceField& field) {
   return out;
 }
 
+/// Sums of the flags above and left of each pixel, one row and one column more than the flags (Crow 1984).
+std::vector<int> integral(const std::vector<char>& flags, int width, int height) {
+  std::vector<int> sums(static_cast<std::size_t>((width + 1) * (height + 1)), 0);
+  for (int v = 0; v < height; ++v) {
+    int row = 0;
+    for (int u = 0; u < width; ++u) {
+      row += flags[static_cast<std::size_t>(v * width + u)];
+      sums[static_cast<std::size_t>((v + 1) * (width + 1) + u + 1)] =
+          sums[static_cast<std::size_t>(v * (width + 1) + u + 1)] + row;
+    }
+  }
+  return sums;
+}
+
 }  // namespace
 
 DetectionModel make_detection_model(const Stone& stone) {
@@ -125,6 +139,11 @@ DetectionScene without_stones(DetectionScene scene, const DetectionModels::Data&
             z > 0 && explained((view.T_C_V * (z * deproject(camera, u, v))).cast<float>()))
           view.explained[static_cast<std::size_t>(v * camera.width + u)] = 1;
     });
+    view.explained_before = integral(view.explained, camera.width, camera.height);
+  }
+  for (const KnownStone& k : stones) {
+    const DetectionModel& model = at(data.models, k.stone);
+    scene.taken.push_back({k.T_C_O * model.centre, model.radius + kExplainedMargin});
   }
   keep_surface(scene, [&](std::size_t i) { return !explained(scene.surface.points[i]); });
   find_clusters(scene, kClusterGap);

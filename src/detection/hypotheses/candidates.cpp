@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "detection/constants.hpp"
+#include "detection/hypotheses/search_memory.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::detection {
@@ -34,16 +35,28 @@ RefineOptions fine_refinement() {
   return {15, 0.6 * kIcpGate, 0.004, 0.0015, 0.6};
 }
 
+Coarse coarse_pose(const DetectionModel& model, const Pose& T_C_O, const DetectionScene& scene,
+                   PointsAround& around) {
+  const auto near =
+      points_near(model, T_C_O, scene.surface, kIcpGate, kCoarsePoints, around.of(T_C_O, kIcpGate));
+  const Refined refined = refine_pose(model, T_C_O, scene.surface, near, coarse_refinement());
+  const VerifyOptions loose{2.0 * tolerance(model, refined.T_C_O, scene), kHiddenWeight, 0.025, 300};
+  return {refined.T_C_O,
+          verify_pose(model, refined.T_C_O, scene, loose, around.of(refined.T_C_O, kBesideModel)).score};
+}
+
 std::vector<Coarse> coarse_poses(const DetectionModel& model, std::span<const Hypothesis> hypotheses,
-                                 const DetectionScene& scene, std::size_t max) {
+                                 const DetectionScene& scene, std::size_t max, ModelMemory* memory) {
   std::vector<Coarse> poses;
+  PointsAround around(model, scene.surface);
   for (const auto& h : hypotheses) {
     throw_if_interrupted();
-    const auto near = points_near(model, h.T_C_O, scene.surface, kIcpGate, kCoarsePoints);
-    const Refined refined = refine_pose(model, h.T_C_O, scene.surface, near, coarse_refinement());
-    const VerifyOptions loose{2.0 * tolerance(model, refined.T_C_O, scene), kHiddenWeight, 0.025, 300};
-    const Verdict verdict = verify_pose(model, refined.T_C_O, scene, loose);
-    if (verdict.score > -0.9) poses.push_back({refined.T_C_O, verdict.score});
+    const auto* known = memory != nullptr ? memory->coarse.find(model, h.T_C_O, scene) : nullptr;
+    const Coarse pose = known != nullptr ? Coarse{known->T_C_O_last, known->verdict}
+                                         : coarse_pose(model, h.T_C_O, scene, around);
+    if (memory != nullptr && known == nullptr)
+      memory->coarse.keep(model, h.T_C_O, pose.T_C_O, scene, pose.score);
+    if (pose.score > -0.9) poses.push_back(pose);
   }
   std::stable_sort(poses.begin(), poses.end(),
                    [](const Coarse& a, const Coarse& b) { return a.score > b.score; });
@@ -96,13 +109,21 @@ std::vector<SeenPixel> explained_pixels(const DetectionModel& model, const Pose&
 
 std::vector<Candidate> judge_hypotheses(const DetectionModel& model, StoneIndex stone,
                                         std::span<const Hypothesis> hypotheses, const DetectionScene& scene,
-                                        const DetectionOptions& options, std::size_t kept_poses) {
+                                        const DetectionOptions& options, std::size_t kept_poses,
+                                        ModelMemory* memory) {
   std::vector<Candidate> candidates;
-  for (const auto& pose : coarse_poses(model, hypotheses, scene, kept_poses)) {
-    auto candidate = judge_pose(model, stone, pose.T_C_O, scene, kHiddenWeight);
+  for (const auto& pose : coarse_poses(model, hypotheses, scene, kept_poses, memory)) {
+    const auto* known = memory != nullptr ? memory->fine.find(model, pose.T_C_O, scene) : nullptr;
+    auto candidate =
+        known != nullptr ? known->verdict : judge_pose(model, stone, pose.T_C_O, scene, kHiddenWeight);
     const bool kept =
         options.method == "paper" || (candidate && candidate->detection.score > 0.5 * options.accept_score);
-    if (candidate && kept) candidates.push_back(std::move(*candidate));
+    if (candidate && !kept) candidate.reset();
+    if (memory != nullptr && known == nullptr) {
+      const Pose& T_C_O_last = candidate ? candidate->detection.T_C_O : pose.T_C_O;
+      memory->fine.keep(model, pose.T_C_O, T_C_O_last, scene, candidate);
+    }
+    if (candidate) candidates.push_back(std::move(*candidate));
   }
   std::stable_sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
     return a.detection.score > b.detection.score;

@@ -10,6 +10,10 @@
 
 namespace stonestack::detection {
 
+struct ModelMemory;
+
+inline constexpr std::size_t kKeptPoses = 5;  ///< of the coarsely refined ones, unless they tie
+
 /// A refined pose of one model that the image does not refute.
 struct Candidate {
   Detection detection;
@@ -22,12 +26,14 @@ struct Candidate {
 [[nodiscard]] double tolerance(const DetectionModel& model, const Pose& T_C_O, const DetectionScene& scene);
 
 /// Refines hypotheses coarsely, keeps the most likely few that differ, refines these finely and verifies
-/// them (`kept_poses`, more if they tie). Best score first; nothing below half the accept score.
+/// them (`kept_poses`, more if they tie). Best score first; nothing below half the accept score. What
+/// `memory` knows from earlier turns of the same search is not computed again, and what is new goes into it.
 [[nodiscard]] std::vector<Candidate> judge_hypotheses(const DetectionModel& model, StoneIndex stone,
                                                       std::span<const Hypothesis> hypotheses,
                                                       const DetectionScene& scene,
                                                       const DetectionOptions& options,
-                                                      std::size_t kept_poses = 5);
+                                                      std::size_t kept_poses = kKeptPoses,
+                                                      ModelMemory* memory = nullptr);
 
 /// The pixels that a model at a pose explains.
 [[nodiscard]] std::vector<SeenPixel> explained_pixels(const DetectionModel& model, const Pose& T_C_O,

@@ -2,12 +2,16 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 
 namespace stonestack::detection {
 namespace {
 
 constexpr int kRefineFewest = 20;  // correspondences: fewer do not hold six degrees of freedom
+constexpr double kRoom = 0.03;  // m, and share of a model's radius, by which the next pose may lie elsewhere
+constexpr double kRoomShare = 0.3;
 
 /// One linearised step in O: rotation and translation of the seen points onto the model.
 struct Normal {
@@ -24,8 +28,10 @@ Normal accumulate(const DetectionModel& model, const Pose& T_O_C, const SurfaceP
   const Eigen::Vector3f centre = model.centre.cast<float>();
   const auto inverse = static_cast<float>(1.0 / (robust * robust));
   Eigen::Vector3f s, n;
-  Eigen::Matrix<float, 6, 6> H = Eigen::Matrix<float, 6, 6>::Zero();
-  Eigen::Matrix<float, 6, 1> g = Eigen::Matrix<float, 6, 1>::Zero();
+  using Padded = Eigen::Matrix<float, 8, 1>;  // six and two zeros: whole vector registers
+  std::array<Padded, 6> columns;              // of H
+  columns.fill(Padded::Zero());
+  Padded J = Padded::Zero(), g = Padded::Zero();
   for (const int i : indices) {
     const Eigen::Vector3f q = T * seen.points[static_cast<std::size_t>(i)];
     const int k = model.field.nearest(q);
@@ -37,17 +43,18 @@ Normal accumulate(const DetectionModel& model, const Pose& T_O_C, const SurfaceP
       continue;
     const float r = n.dot(q - s);
     const float w = 1.0F / (1.0F + r * r * inverse);
-    Eigen::Matrix<float, 6, 1> J;
-    J.head<3>() = n;  // not by commas: GCC 12 sees a load past the end there
-    J.tail<3>() = (q - centre).cross(n);
-    H.selfadjointView<Eigen::Lower>().rankUpdate(J, w);
+    J.head<3>() = n;
+    J.segment<3>(3) = (q - centre).cross(n);
+    for (std::size_t c = 0; c < columns.size(); ++c) columns[c] += (w * J[static_cast<Eigen::Index>(c)]) * J;
     g += (w * r) * J;
     ++sum.count;
     sum.squares += w * r * r;
     sum.weights += w;
   }
-  sum.H = Eigen::Matrix<float, 6, 6>(H.selfadjointView<Eigen::Lower>()).cast<double>();
-  sum.g = g.cast<double>();
+  for (std::size_t c = 0; c < columns.size(); ++c)
+    sum.H.col(static_cast<Eigen::Index>(c)) = columns[c].head<6>().cast<double>();
+  sum.H = Eigen::Matrix<double, 6, 6>(sum.H.selfadjointView<Eigen::Lower>());
+  sum.g = g.head<6>().cast<double>();
   return sum;
 }
 
@@ -89,6 +96,19 @@ Refined refine_pose(const DetectionModel& model, const Pose& T_C_O, const Surfac
   return out;
 }
 
+namespace {
+
+std::vector<int> evenly_thinned(std::vector<int> all, int max) {
+  const auto count = static_cast<int>(all.size());
+  if (count <= max) return all;
+  for (int i = 0; i < max; ++i)
+    all[static_cast<std::size_t>(i)] = all[static_cast<std::size_t>(static_cast<long>(i) * count / max)];
+  all.resize(static_cast<std::size_t>(max));
+  return all;
+}
+
+}  // namespace
+
 std::vector<int> points_near(const DetectionModel& model, const Pose& T_C_O, const SurfacePoints& seen,
                              double margin, int max) {
   std::vector<int> all;
@@ -96,12 +116,27 @@ std::vector<int> points_near(const DetectionModel& model, const Pose& T_C_O, con
   const auto radius = static_cast<float>(model.radius + margin);
   for (std::size_t i = 0; i < seen.points.size(); ++i)
     if ((seen.points[i] - centre).squaredNorm() < radius * radius) all.push_back(static_cast<int>(i));
-  const auto count = static_cast<int>(all.size());
-  if (count <= max) return all;
-  std::vector<int> some(static_cast<std::size_t>(max));
-  for (int i = 0; i < max; ++i)
-    some[static_cast<std::size_t>(i)] = all[static_cast<std::size_t>(static_cast<long>(i) * count / max)];
-  return some;
+  return evenly_thinned(std::move(all), max);
+}
+
+std::vector<int> points_near(const DetectionModel& model, const Pose& T_C_O, const SurfacePoints& seen,
+                             double margin, int max, std::span<const int> among) {
+  std::vector<int> all;
+  const Eigen::Vector3f centre = (T_C_O * model.centre).cast<float>();
+  const auto radius = static_cast<float>(model.radius + margin);
+  for (const int i : among)
+    if ((seen.points[static_cast<std::size_t>(i)] - centre).squaredNorm() < radius * radius) all.push_back(i);
+  return evenly_thinned(std::move(all), max);
+}
+
+const std::vector<int>& PointsAround::of(const Pose& T_C_O, double margin) {
+  const Eigen::Vector3d centre = T_C_O * model_.centre;
+  const double needed = (centre - centre_).norm() + model_.radius + margin;
+  if (needed <= radius_) return points_;
+  centre_ = centre;
+  radius_ = model_.radius + margin + kRoom + kRoomShare * model_.radius;
+  points_ = points_near(model_, T_C_O, seen_, radius_ - model_.radius, std::numeric_limits<int>::max());
+  return points_;
 }
 
 }  // namespace stonestack::detection

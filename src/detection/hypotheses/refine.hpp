@@ -33,4 +33,27 @@ struct Refined {
 [[nodiscard]] std::vector<int> points_near(const DetectionModel& model, const Pose& T_C_O,
                                            const SurfacePoints& seen, double margin, int max);
 
+/// Picks likewise for a pose about which no other points are than `among`, ascending.
+[[nodiscard]] std::vector<int> points_near(const DetectionModel& model, const Pose& T_C_O,
+                                           const SurfacePoints& seen, double margin, int max,
+                                           std::span<const int> among);
+
+/// Points about one pose of a model after another: collected anew only where the last ones do not do. Keeps
+/// references to both.
+class PointsAround {
+ public:
+  PointsAround(const DetectionModel& model, const SurfacePoints& seen) : model_(model), seen_(seen) {}
+
+  /// Indices, ascending, of all points within the model's bounding sphere at the pose (plus `margin`), and of
+  /// some others.
+  [[nodiscard]] const std::vector<int>& of(const Pose& T_C_O, double margin);
+
+ private:
+  const DetectionModel& model_;
+  const SurfacePoints& seen_;
+  Eigen::Vector3d centre_ = Eigen::Vector3d::Zero();
+  double radius_ = 0.0;
+  std::vector<int> points_;
+};
+
 }  // namespace stonestack::detection

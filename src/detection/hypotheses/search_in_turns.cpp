@@ -8,6 +8,7 @@
 #include "detection/constants.hpp"
 #include "detection/features/describe.hpp"
 #include "detection/features/matching.hpp"
+#include "detection/hypotheses/search_memory.hpp"
 #include "detection/hypotheses/sweep.hpp"
 #include "detection/judge/accept.hpp"
 #include "detection/scene/split_parts.hpp"
@@ -24,7 +25,12 @@ constexpr double kWellVisible = 0.13;     // of the whole surface
 struct SeenCluster {
   int view = 0;
   std::vector<int> points;
+  std::uint64_t name = 0;  ///< clusters of the same points have the same, in whatever turn
 };
+
+void name(std::vector<SeenCluster>& clusters, const SurfacePoints& seen) {
+  for (auto& c : clusters) c.name = fingerprint(seen, c.points, c.view);
+}
 
 std::vector<SeenCluster> seen_clusters(const DetectionScene& scene) {
   const std::size_t views = scene.views.size();
@@ -71,19 +77,20 @@ enum class Turn {
 
 /// Settings of one pass over a scene.
 struct SearchView {
-  const Features* seen = nullptr;     ///< hypotheses from descriptors, if given
+  bool describes = false;             ///< hypotheses from descriptors: ...
+  const Features* seen = nullptr;     ///< ... of these, where the memory has none
   std::vector<SeenCluster> clusters;  ///< and from all orientations on each of these
-  SweepOptions sweep;
+  bool thorough = false;              ///< sweep
 };
 
 /// Sweep of the last turn: as many orientations as the budget of a scene allows.
 SweepOptions thorough_sweep() {
   SweepOptions options;
-  options.best = 60;
+  options.best = 40;
   options.apart = 0.2;
   options.shifts = 3;
   options.aside = 0.022;
-  options.glance = 0.2;
+  options.glance = 0.12;
   options.area_low = 0.15;
   options.area_high = 1.6;
   return options;
@@ -97,10 +104,12 @@ struct ModelSearch {
 };
 
 ModelSearch search_model(const DetectionModels::Data& data, StoneIndex stone, const DetectionScene& scene,
-                         const SearchView& view, const DetectionOptions& options) {
+                         const SearchView& view, const DetectionOptions& options, ModelMemory& memory) {
   const DetectionModel& model = at(data.models, stone);
   ModelSearch out;
-  if (view.seen != nullptr) {
+  if (view.describes && memory.grouped) {
+    out.grouped = *memory.grouped;
+  } else if (view.describes) {
     const Features& features = features_of(model, data.options);
     out.matches = options.matching == "kdtree" ? match_features_kdtree(*view.seen, features, kNeighbours)
                                                : match_features(*view.seen, features, kNeighbours);
@@ -109,16 +118,20 @@ ModelSearch search_model(const DetectionModels::Data& data, StoneIndex stone, co
     grouping.fewest = kMinConsistent;
     grouping.best = kBestHypotheses;
     out.grouped = consistent_groups(out.matches, *view.seen, features, grouping);
+    memory.grouped = out.grouped;
   }
+  const SweepOptions sweep = view.thorough ? thorough_sweep() : SweepOptions{};
+  auto& swept = view.thorough ? memory.swept_thoroughly : memory.swept;
   for (const auto& cluster : view.clusters) {
+    const auto [known, is_new] = swept.try_emplace(cluster.name);
     const Eigen::Vector3f eye =
         scene.views[static_cast<std::size_t>(cluster.view)].T_C_V.translation().cast<float>();
-    const auto more = sweep_orientations(model, scene.surface, cluster.points, eye, view.sweep);
-    out.swept.insert(out.swept.end(), more.begin(), more.end());
+    if (is_new) known->second = sweep_orientations(model, scene.surface, cluster.points, eye, sweep);
+    out.swept.insert(out.swept.end(), known->second.begin(), known->second.end());
   }
   std::vector<Hypothesis> all = out.grouped;
   all.insert(all.end(), out.swept.begin(), out.swept.end());
-  out.candidates = judge_hypotheses(model, stone, all, scene, options);
+  out.candidates = judge_hypotheses(model, stone, all, scene, options, kKeptPoses, &memory);
   return out;
 }
 
@@ -136,12 +149,14 @@ void note_search(TracedTurn& turn, const ModelSearch& found, StoneIndex stone, c
 /// Candidates of every missing model.
 std::vector<Candidate> search(const DetectionModels::Data& data, const std::vector<StoneIndex>& missing,
                               const DetectionScene& scene, const SearchView& view,
-                              const DetectionOptions& options, TracedTurn* turn) {
+                              const DetectionOptions& options, std::vector<ModelMemory>& memory,
+                              TracedTurn* turn) {
   std::vector<StoneIndex> stones = missing;
   stones.erase(std::unique(stones.begin(), stones.end()), stones.end());
   std::vector<ModelSearch> found(stones.size());
-  tbb::parallel_for(std::size_t{0}, stones.size(),
-                    [&](std::size_t k) { found[k] = search_model(data, stones[k], scene, view, options); });
+  tbb::parallel_for(std::size_t{0}, stones.size(), [&](std::size_t k) {
+    found[k] = search_model(data, stones[k], scene, view, options, at(memory, stones[k]));
+  });
   std::vector<Candidate> all;
   for (std::size_t k = 0; k < stones.size(); ++k) {
     if (turn != nullptr) note_search(*turn, found[k], stones[k], view, data);
@@ -166,11 +181,29 @@ void note_candidates(TracedTurn& turn, const std::vector<Candidate>& all,
   for (const std::size_t i : taken) turn.candidates[i].accepted = true;
 }
 
-SearchView search_view(Turn turn, const DetectionScene& scene, const Features& seen) {
-  if (turn == Turn::kDescribe) return {&seen, {}, {}};
-  if (turn == Turn::kSweep) return {nullptr, seen_clusters(scene), {}};
-  if (turn == Turn::kParts) return {nullptr, with_parts(scene), {}};
-  return {nullptr, with_parts(scene), thorough_sweep()};
+/// How far a search has come.
+struct Search {
+  std::vector<StoneIndex> missing;
+  DetectionScene scene;  ///< what is still unexplained
+  std::vector<Candidate> taken;
+  std::vector<Candidate> refused;  ///< since something was taken last
+  std::vector<SeenCluster> parts;  ///< of `scene`, once they were looked for
+};
+
+SearchView search_view(Turn turn, Search& so_far, const Features& seen) {
+  if (turn == Turn::kDescribe) return {true, &seen, {}, false};
+  SearchView view{false, nullptr, {}, turn == Turn::kThorough};
+  if (turn == Turn::kSweep) {
+    view.clusters = seen_clusters(so_far.scene);
+    name(view.clusters, so_far.scene.surface);
+    return view;
+  }
+  if (so_far.parts.empty()) {
+    so_far.parts = with_parts(so_far.scene);
+    name(so_far.parts, so_far.scene.surface);
+  }
+  view.clusters = so_far.parts;
+  return view;
 }
 
 /// Chooses the next turn: what a turn has found sets something apart, so the cheap sweep is worth another
@@ -183,14 +216,6 @@ std::optional<Turn> turn_after(Turn turn, bool found, const DetectionOptions& op
   if (turn == Turn::kDescribe) return Turn::kThorough;
   return {};
 }
-
-/// How far a search has come.
-struct Search {
-  std::vector<StoneIndex> missing;
-  DetectionScene scene;  ///< what is still unexplained
-  std::vector<Candidate> taken;
-  std::vector<Candidate> refused;  ///< since something was taken last
-};
 
 void take(Search& search, Candidate candidate) {
   search.missing.erase(std::find(search.missing.begin(), search.missing.end(), candidate.detection.stone));
@@ -205,16 +230,19 @@ std::vector<KnownStone> poses_of(std::span<const Candidate> candidates) {
 
 /// Turn after turn until nothing more is found.
 void take_turns(const DetectionModels::Data& data, Search& so_far, const DetectionOptions& options,
-                DetectionTrace* trace) {
+                std::vector<ModelMemory>& memory, DetectionTrace* trace) {
   Turn turn = options.sweep ? Turn::kSweep : Turn::kDescribe;
   while (!so_far.missing.empty() && so_far.scene.clusters > 0) {
     throw_if_interrupted();
     Features seen;
-    if (turn == Turn::kDescribe) seen = describe_scene(so_far.scene, data.options);
-    const SearchView view = search_view(turn, so_far.scene, seen);
+    const bool described = std::all_of(so_far.missing.begin(), so_far.missing.end(), [&](StoneIndex stone) {
+      return at(memory, stone).grouped.has_value();
+    });
+    if (turn == Turn::kDescribe && !described) seen = describe_scene(so_far.scene, data.options);
+    const SearchView view = search_view(turn, so_far, seen);
     TracedTurn* noted = trace != nullptr ? &trace->turns.emplace_back() : nullptr;
     if (noted != nullptr) note_scene(*noted, so_far.scene, seen);
-    auto found = search(data, so_far.missing, so_far.scene, view, options, noted);
+    auto found = search(data, so_far.missing, so_far.scene, view, options, memory, noted);
     auto accepted = without_conflicts(found, so_far.missing, so_far.scene, options, Demand::kCertain);
     if (accepted.empty() && !turn_after(turn, false, options)) {
       found.insert(found.end(), so_far.refused.begin(), so_far.refused.end());
@@ -225,6 +253,7 @@ void take_turns(const DetectionModels::Data& data, Search& so_far, const Detecti
     for (const std::size_t i : accepted) take(so_far, found[i]);
     so_far.scene =
         without_stones(std::move(so_far.scene), data, poses_of(std::span(so_far.taken).subspan(before)));
+    if (!accepted.empty()) so_far.parts.clear();
     so_far.refused.clear();  // where something was found, they are judged anew
     if (accepted.empty()) so_far.refused = std::move(found);
     const auto next = turn_after(turn, !accepted.empty(), options);
@@ -236,7 +265,8 @@ void take_turns(const DetectionModels::Data& data, Search& so_far, const Detecti
 /// A stone may be refused because of one before it that was not found either, as the first one stands in its
 /// way: takes the likeliest refused pose for granted, searches for the rest then, and keeps all of it if
 /// that pose stands the check once the others are explained.
-void take_for_granted(const DetectionModels::Data& data, Search& so_far, const DetectionOptions& options) {
+void take_for_granted(const DetectionModels::Data& data, Search& so_far, const DetectionOptions& options,
+                      std::vector<ModelMemory>& memory) {
   auto refused = so_far.refused;
   std::erase_if(refused, [&](const Candidate& c) {
     return c.detection.score < options.accept_score - kNearlyAccepted || c.detection.visible < kWellVisible ||
@@ -247,10 +277,10 @@ void take_for_granted(const DetectionModels::Data& data, Search& so_far, const D
       [](const Candidate& a, const Candidate& b) { return a.detection.score < b.detection.score; });
   if (best == refused.end()) return;
   const auto granted = poses_of(std::span(&*best, 1));
-  Search rest{so_far.missing, without_stones(so_far.scene, data, granted), {}, {}};
+  Search rest{so_far.missing, without_stones(so_far.scene, data, granted), {}, {}, {}};
   take(rest, *best);
   rest.taken.clear();
-  take_turns(data, rest, options, nullptr);
+  take_turns(data, rest, options, memory, nullptr);
   if (rest.taken.empty()) return;
   const DetectionScene alone = without_stones(so_far.scene, data, poses_of(rest.taken));
   const Hypothesis again{best->detection.T_C_O, 1.0};
@@ -266,9 +296,10 @@ void take_for_granted(const DetectionModels::Data& data, Search& so_far, const D
 std::vector<Candidate> search_in_turns(const DetectionModels::Data& data, std::vector<StoneIndex> missing,
                                        DetectionScene scene, const DetectionOptions& options,
                                        DetectionTrace* trace) {
-  Search so_far{std::move(missing), std::move(scene), {}, {}};
-  take_turns(data, so_far, options, trace);
-  if (options.sweep && !so_far.missing.empty()) take_for_granted(data, so_far, options);
+  Search so_far{std::move(missing), std::move(scene), {}, {}, {}};
+  std::vector<ModelMemory> memory(data.models.size());
+  take_turns(data, so_far, options, memory, trace);
+  if (options.sweep && !so_far.missing.empty()) take_for_granted(data, so_far, options, memory);
   return std::move(so_far.taken);
 }
 

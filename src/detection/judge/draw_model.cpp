@@ -16,17 +16,22 @@ struct Corner {
   double x, y, w;
 };
 
+/// Draws a face that the camera sees from outside.
 void draw_face(DrawnModel& out, const Corner& a, const Corner& b, const Corner& c, int face) {
+  const double y_min = std::min({a.y, b.y, c.y}), y_max = std::max({a.y, b.y, c.y});
+  const double x_min = std::min({a.x, b.x, c.x}), x_max = std::max({a.x, b.x, c.x});
+  const int y0 = std::max(0, static_cast<int>(std::ceil(y_min)));
+  const int y1 = std::min(out.height - 1, static_cast<int>(std::floor(y_max)));
+  const int x0 = std::max(0, static_cast<int>(std::ceil(x_min)));
+  const int x1 = std::min(out.width - 1, static_cast<int>(std::floor(x_max)));
+  if (y0 > y1 || x0 > x1) return;  // between the pixels
   const double area = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
-  if (std::abs(area) < 1e-12) return;
-  const int y0 = std::max(0, static_cast<int>(std::ceil(std::min({a.y, b.y, c.y}))));
-  const int y1 = std::min(out.height - 1, static_cast<int>(std::floor(std::max({a.y, b.y, c.y}))));
-  const int x0 = std::max(0, static_cast<int>(std::ceil(std::min({a.x, b.x, c.x}))));
-  const int x1 = std::min(out.width - 1, static_cast<int>(std::floor(std::max({a.x, b.x, c.x}))));
+  if (!(area < -1e-12)) return;  // x right, y down: faces seen from outside run clockwise
+  const double inverse = 1.0 / area;
   for (int y = y0; y <= y1; ++y)
     for (int x = x0; x <= x1; ++x) {
-      const double l1 = ((x - a.x) * (c.y - a.y) - (c.x - a.x) * (y - a.y)) / area;
-      const double l2 = ((b.x - a.x) * (y - a.y) - (x - a.x) * (b.y - a.y)) / area;
+      const double l1 = ((x - a.x) * (c.y - a.y) - (c.x - a.x) * (y - a.y)) * inverse;
+      const double l2 = ((b.x - a.x) * (y - a.y) - (x - a.x) * (b.y - a.y)) * inverse;
       if (l1 < -1e-9 || l2 < -1e-9 || l1 + l2 > 1.0 + 1e-9) continue;
       const auto z = static_cast<float>(1.0 / (a.w + l1 * (b.w - a.w) + l2 * (c.w - a.w)));
       const auto i = static_cast<std::size_t>(y * out.width + x);
@@ -61,14 +66,15 @@ DrawnModel draw_model(const Mesh& mesh_O, const std::vector<Eigen::Vector3d>& no
   out.z.assign(static_cast<std::size_t>(out.width * out.height), 0.0F);
   out.face.assign(out.z.size(), -1);
   for (auto& c : corners) c = {(c.x - out.u0) / step, (c.y - out.v0) / step, c.w};
-  out.normals_C.reserve(normals_O.size());
-  for (const auto& n : normals_O) out.normals_C.emplace_back(T_C_O.linear() * n);
   for (std::size_t f = 0; f < mesh_O.faces.size(); ++f) {
     const Eigen::Vector3i& face = mesh_O.faces[f];
-    if (out.normals_C[f].dot(T_C_O * mesh_O.vertices[static_cast<std::size_t>(face[0])]) >= 0) continue;
     draw_face(out, corners[static_cast<std::size_t>(face[0])], corners[static_cast<std::size_t>(face[1])],
               corners[static_cast<std::size_t>(face[2])], static_cast<int>(f));
   }
+  out.normals_C.resize(normals_O.size());
+  for (const int f : out.face)
+    if (f >= 0)
+      out.normals_C[static_cast<std::size_t>(f)] = T_C_O.linear() * normals_O[static_cast<std::size_t>(f)];
   return out;
 }
 

@@ -13,7 +13,7 @@ struct DrawnModel {
   int width = 0, height = 0;               ///< drawn pixels
   std::vector<float> z;                    ///< 0 where the mesh is not [m]
   std::vector<int> face;                   ///< hit face, where z > 0
-  std::vector<Eigen::Vector3d> normals_C;  ///< of every face of the mesh
+  std::vector<Eigen::Vector3d> normals_C;  ///< of every face that was hit; of others not set
 
   /// Depth at a drawn pixel [m]; 0 where the mesh is not.
   [[nodiscard]] float depth(int x, int y) const {

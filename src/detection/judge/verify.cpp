@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "detection/hypotheses/refine.hpp"
 #include "detection/judge/contour.hpp"
 #include "detection/judge/draw_model.hpp"
 #include "detection/scene/seen_normal.hpp"
@@ -16,7 +17,6 @@ constexpr double kJustInFront =
 constexpr double kJustInFrontWeight = 0.6;
 constexpr double kCosineNone = 0.5;        // between normals: agrees not at all ...
 constexpr double kCosineFull = 0.85;       // ... and fully: flat faces stand for curved stone
-constexpr double kBeyond = 0.012;          // m off the surface: further is another thing
 constexpr double kBeyondTolerated = 0.15;  // share: neighbours that touch
 constexpr double kBeyondWeight = 1.0;
 constexpr double kContourReach = 4.0;      // times the tolerance: so near the model's depth it is seen
@@ -102,14 +102,14 @@ bool count_pixel(const DepthImage& depth, int u, int v, double z, const Eigen::V
 
 /// Of the seen points at or just off the model's surface, the share that is off.
 double share_beyond(const DetectionModel& model, const Pose& T_C_O, const SurfacePoints& seen,
-                    const VerifyOptions& options) {
+                    std::span<const int> around, const VerifyOptions& options) {
   const Eigen::Isometry3f T = T_C_O.inverse().cast<float>();
   const auto centre = model.centre.cast<float>().eval();
-  const auto near = static_cast<float>(1.5 * options.tolerance), far = static_cast<float>(kBeyond);
-  const auto reach = static_cast<float>(model.radius + kBeyond);
+  const auto near = static_cast<float>(1.5 * options.tolerance), far = static_cast<float>(kBesideModel);
+  const auto reach = static_cast<float>(model.radius + kBesideModel);
   int at = 0, off = 0;
-  for (const auto& p : seen.points) {
-    const Eigen::Vector3f q = T * p;
+  for (const int i : around) {
+    const Eigen::Vector3f q = T * seen.points[static_cast<std::size_t>(i)];
     if ((q - centre).squaredNorm() > reach * reach) continue;
     const int k = model.field.nearest(q);
     if (k < 0) continue;
@@ -156,6 +156,12 @@ double total(const ScoreLosses& lost) {
 
 Verdict verify_pose(const DetectionModel& model, const Pose& T_C_O, const DetectionScene& scene,
                     const VerifyOptions& options) {
+  PointsAround points(model, scene.surface);
+  return verify_pose(model, T_C_O, scene, options, points.of(T_C_O, kBesideModel));
+}
+
+Verdict verify_pose(const DetectionModel& model, const Pose& T_C_O, const DetectionScene& scene,
+                    const VerifyOptions& options, std::span<const int> around) {
   Verdict verdict;
   Tally tally;
   for (std::size_t i = 0; i < scene.views.size(); ++i)
@@ -163,7 +169,7 @@ Verdict verify_pose(const DetectionModel& model, const Pose& T_C_O, const Detect
                tally, verdict);
   if (tally.fits < std::max(10.0, kMinSeen * tally.drawn)) return {};
   const double seen = tally.fits + tally.through + tally.just_in_front;
-  const double beyond = share_beyond(model, T_C_O, scene.surface, options);
+  const double beyond = share_beyond(model, T_C_O, scene.surface, around, options);
   const double goes_on = tally.contour.seen > 0 ? tally.contour.goes_on / tally.contour.seen : 0.0;
   const double below = below_support(model, T_C_O, scene);
   ScoreLosses& lost = verdict.lost;

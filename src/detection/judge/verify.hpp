@@ -23,6 +23,9 @@ struct Verdict {
   std::vector<SeenPixel> pixels;  ///< that fit, on the drawn raster
 };
 
+inline constexpr double kBesideModel =
+    0.012;  ///< distance from the surface beyond which there is another thing [m]
+
 /// Tolerances and weights of a check.
 struct VerifyOptions {
   double tolerance = 0.005;    ///< along the surface normal [m]
@@ -41,6 +44,11 @@ struct VerifyOptions {
 /// (compare_contour). Pixels that are explained by known stones carry no evidence.
 [[nodiscard]] Verdict verify_pose(const DetectionModel& model, const Pose& T_C_O, const DetectionScene& scene,
                                   const VerifyOptions& options);
+
+/// Compares likewise, with the indices `around` of all points of the scene's surface that lie within
+/// kBesideModel of the model's bounding sphere at the pose, and perhaps of others.
+[[nodiscard]] Verdict verify_pose(const DetectionModel& model, const Pose& T_C_O, const DetectionScene& scene,
+                                  const VerifyOptions& options, std::span<const int> around);
 
 /// Evidence of each pixel of the scene's first view, row by row.
 [[nodiscard]] std::vector<PixelEvidence> pixel_evidence(const DetectionModel& model, const Pose& T_C_O,

@@ -23,9 +23,16 @@ struct SeenView {
   Pose T_C_V = Pose::Identity();
   DepthImage depth;             ///< smoothed; 0 where unknown or out of range
   std::vector<char> explained;  ///< a flag a pixel: it shows a stone whose pose is known; empty if none does
+  std::vector<int> explained_before;  ///< flags above and left of each pixel (integral image); empty as above
   Pose T_C_V_reported = Pose::Identity();  ///< before the views were aligned
   std::optional<Plane> table_V;            ///< as this view sees it
   DepthError error;                        ///< what the table shows of the depth's smooth error
+};
+
+/// A ball that holds a stone which was taken out of a scene, and all points that went with it.
+struct TakenBall {
+  Eigen::Vector3d centre_C;
+  double radius;  ///< [m]
 };
 
 /// Depth images made ready: smoothed, cropped, the table found, the rest in voxels and clusters. C is the
@@ -40,7 +47,8 @@ struct DetectionScene {
   std::vector<int> view_of;  ///< the view that saw each point
   std::vector<int> cluster;  ///< of each point: 0.., or -1 for specks
   int clusters = 0;
-  std::string note;  ///< why there is nothing to see; empty otherwise
+  std::vector<TakenBall> taken;  ///< stones that the scene was freed from, in the order in which they went
+  std::string note;              ///< why there is nothing to see; empty otherwise
 };
 
 /// Edge-aware mean over 5 x 5 pixels, at rims the plane fitted to them: takes neighbours within a depth step
