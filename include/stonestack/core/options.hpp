@@ -88,8 +88,8 @@ void read_fields(const FieldList& list, const std::string& path, const FieldList
 /// Letters to insert, leave out or replace until `a` is `b` (Levenshtein).
 [[nodiscard]] std::size_t edit_distance(std::string_view a, std::string_view b);
 
-/// The names that `name` may be a slip of, at most three: those that begin with it, then the nearest at an edit
-/// distance (neighbours that swapped: 1) of at most a third of its length (at least 1). May be none.
+/// The names that `name` may be a slip of, at most three: those that begin with it, then the nearest at an
+/// edit distance (swapped neighbours: 1) of at most a third of its length (at least 1). May be none.
 [[nodiscard]] std::vector<std::string> likely_meant(const std::vector<std::string>& names,
                                                     std::string_view name);
 
