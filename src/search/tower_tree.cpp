@@ -21,7 +21,7 @@ constexpr double kUntried = 0.9;
 /// Reserve [g and stones] beyond which more is not worth a stone that may fall.
 constexpr double kReserve = 0.1;
 
-/// The same where towers are to be firm [stones].
+/// Worth of a tower that always outlasts a shake [stones].
 constexpr double kWorthOfFirm = 0.9;
 
 /// Lowest new stone and top stone: they identify a tower.

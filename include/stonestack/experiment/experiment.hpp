@@ -27,7 +27,7 @@ struct TowerVerdict {
 /// How a finished tower is tried: waiting, then shaking.
 struct SurvivalOptions {
   std::vector<double> seconds{5.0, 60.0, 600.0};  ///< simulated, rising; looked at each of these
-  Shake shake;                                    ///< once along x and once along y
+  Shake shake = {};                               ///< once along x and once along y
 };
 
 /// Height that is left of the tower.
