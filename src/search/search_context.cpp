@@ -101,6 +101,8 @@ void check_problem(const SearchProblem& problem, const SearchOptions& options) {
           "search method must be default or paper, got ", options.method);
   require(options.objective == "height" || options.objective == "firm",
           "search objective must be height or firm, got ", options.objective);
+  require(options.objective == "height" || options.method == "default",
+          "search objective firm needs the default search, not ", options.method);
   require(problem.site.allFinite(), "site must be finite, got ", problem.site.transpose());
   check_placed(problem.stack.stones, problem.shapes->size(), "stack");
   check_placed(problem.available, problem.shapes->size(), "available stones");

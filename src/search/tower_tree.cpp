@@ -165,8 +165,9 @@ std::vector<int> TowerTree::best_path_from(int k) const {
     path.insert(path.begin(), c);
     // Among routes of the same height the reserve of the finished tower decides.
     const int top = path.back();
-    const double value = expected_height(c) +
-                         (firm_ ? kWorthOfFirm * firmness(top) : std::min(node(top).trial.margin, kReserve));
+    const double reserve =
+        firm_ && finished(top) ? kWorthOfFirm * firmness(top) : std::min(node(top).trial.margin, kReserve);
+    const double value = expected_height(c) + reserve;
     if (value > max) {
       max = value;
       best = std::move(path);

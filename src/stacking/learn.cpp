@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "search/constants.hpp"
 #include "stacking/arrangement.hpp"
 #include "stacking/choose_in_wall.hpp"
 #include "stacking/next_view.hpp"
@@ -14,7 +15,6 @@ namespace {
 constexpr double kStillUp = 0.9;    // cosine (26 deg) between the ups of a stone as set down and as seen
 constexpr double kPushed = 0.010;   // m: a stone that moved less was not pushed
 constexpr double kMaxBias = 0.008;  // m: a stone that came to rest further off has slid
-constexpr std::ptrdiff_t kMaxCompared = 5;  // alternatives to a placement, for reports
 
 using Outcome = PlacementRecord::Outcome;
 using Status = ExecutionResult::Status;
@@ -42,7 +42,7 @@ std::vector<Alternative> compared_with(const Placement& chosen, const SearchResu
                       other.expected_height,
                       {}});
   list.insert(list.end(), found.others.begin(), found.others.end());
-  if (std::ssize(list) > kMaxCompared) list.erase(list.begin() + kMaxCompared, list.end());
+  list.resize(std::min(list.size(), search::kMaxAlternatives));
   return list;
 }
 

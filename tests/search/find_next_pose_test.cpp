@@ -181,6 +181,9 @@ TEST(FindNextPose, AFirmTowerIsShakenWhereItIsPlanned) {
   const SearchResult firm = find_next_pose(problem, options);
   ASSERT_FALSE(firm.best.empty()) << firm.reason;
   EXPECT_EQ(firm.best.front().terms.at("outlasts_shake"), 1.0);
+  options.method = "paper";
+  EXPECT_THROW((void)find_next_pose(problem, options), InvalidArgument) << "it shakes nothing";
+  options.method = "default";
   options.objective = "soft";
   EXPECT_THROW((void)find_next_pose(problem, options), InvalidArgument);
 }

@@ -244,6 +244,9 @@ TEST(PlanWall, RefusesWhatCannotBe) {
     EXPECT_THAT(error.what(), HasSubstr("on the empty table, and 1 stones stand"));
   }
   EXPECT_THROW((void)plan_wall(standing, courses({1, 1}), quick(), {}, WallBegun{}), InvalidArgument);
+  SearchOptions firm = quick();
+  firm.objective = "firm";
+  EXPECT_THROW((void)plan_wall(problem, courses({2, 1}), firm), InvalidArgument) << "only towers are shaken";
 }
 
 TEST(WallTargetText, CountsOrLengthAndCourses) {

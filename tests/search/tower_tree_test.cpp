@@ -94,6 +94,17 @@ TEST(TowerTree, AFirmTowerIsTheOneThatOutlastsAShake) {
   }
 }
 
+TEST(TowerTree, AnUnfinishedTowerIsNoFirmOne) {
+  TowerTree tree = four_stones(2, true);
+  const int low = tree.add(0, trial_of(0_stone, 0.5), 0.1), b = tree.add(0, trial_of(1_stone), 0.1);
+  const int top = tree.add(b, trial_of(2_stone, 0.1, 0.6), 0.1);
+  for (const int k : {low, b, top}) {
+    tree.node(k).judged = tree.node(k).predicted = true;
+    tree.node(k).trial.tried = 10;
+  }
+  EXPECT_EQ(tree.best_path_from(0), (std::vector<int>{b, top})) << "higher, though it outlasts no shake";
+}
+
 TEST(TowerTree, OfEquallyHighRoutesTheFirmerIsBest) {
   TowerTree tree = four_stones();
   const int a = tree.add(0, trial_of(0_stone), 0.1);

@@ -279,6 +279,8 @@ WallPlan plan_wall(const SearchProblem& problem, const WallTarget& target, const
                    const std::function<void(const std::string&)>& report,
                    const std::optional<WallBegun>& begun) {
   check_problem(problem, options);
+  require(options.objective == "height", "search objective ", options.objective,
+          " is for towers; a wall is planned for height");
   check_begun(problem, begun);
   check_target(target, problem.available.size() + problem.stack.stones.size());
   if (target.task) return plan_task(problem, target, options, report, begun);
