@@ -14,7 +14,6 @@
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/motion/planning_scene.hpp"
-#include "stonestack/search/plan_wall.hpp"
 #include "stonestack/stacking/observe.hpp"
 
 namespace stonestack::report {
@@ -106,7 +105,7 @@ void check_unseen(const RunOrder& order) {
 
 RecordedRun record_run(const RunOrder& order, const Catalogue& catalogue) {
   check_unseen(order);
-  if (!order.run.build.wall.empty()) static_cast<void>(search::read_wall_target(order.run.build.wall));
+  stacking::check_options(order.run.build);
   const RecordFolder folder =
       order.resume.empty() ? take_run_folder(order.out, order.run.seed) : take_resumed_folder(order.resume);
   RecordedRun done = record_at_speed(is_slow(order) ? at_slow_speed(order) : order, catalogue, folder);

@@ -86,8 +86,7 @@ std::vector<LooseStone> loose_stones(const SearchContext& context) {
   return list;
 }
 
-void check_problem(const SearchProblem& problem, const SearchOptions& options) {
-  require(problem.shapes != nullptr, "search problem has no shapes");
+void check_options(const SearchOptions& options) {
   SearchOptions copy = options;
   for (const Field& f : fields(copy)) {
     if (const auto* const* number = std::get_if<double*>(&f.value))
@@ -103,6 +102,11 @@ void check_problem(const SearchProblem& problem, const SearchOptions& options) {
           "search objective must be height or firm, got ", options.objective);
   require(options.objective == "height" || options.method == "default",
           "search objective firm needs the default search, not ", options.method);
+}
+
+void check_problem(const SearchProblem& problem, const SearchOptions& options) {
+  require(problem.shapes != nullptr, "search problem has no shapes");
+  check_options(options);
   require(problem.site.allFinite(), "site must be finite, got ", problem.site.transpose());
   check_placed(problem.stack.stones, problem.shapes->size(), "stack");
   check_placed(problem.available, problem.shapes->size(), "available stones");

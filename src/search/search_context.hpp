@@ -46,6 +46,8 @@ inline constexpr double kStill = 1e-7;
 /// The step of the search's verdicts, as good as finer ones (docs/measurements.md, Contact) [s].
 inline constexpr double kVerdictStep = 1.0 / 480.0;
 
+/// Throws InvalidArgument for options that cannot be.
+void check_options(const SearchOptions& options);
 /// Throws InvalidArgument for stones and options that cannot be.
 void check_problem(const SearchProblem& problem, const SearchOptions& options);
 /// A stack as it comes to rest.

@@ -2,6 +2,10 @@
 
 #include <algorithm>
 
+#include "search/search_context.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/search/plan_wall.hpp"
+
 namespace stonestack::stacking {
 
 Field gripper_field(std::string& name) {
@@ -51,6 +55,15 @@ FieldList fields(BuildOptions& o) {
              field("save_states", o.save_states,
                    "true: the state before each decision, for `decide`, and what the devices answer, for "
                    "`replay`, are written into the run's folder")})});
+}
+
+void check_options(const BuildOptions& options) {
+  search::check_options(options.search);
+  if (options.wall.empty()) return;
+  static_cast<void>(read_wall_target(options.wall));
+  require(options.search.method == "default", "a wall needs the default search, not ", options.search.method);
+  require(options.search.objective == "height", "search objective ", options.search.objective,
+          " is for towers, not for walls");
 }
 
 std::vector<double> assumed_frictions(const BuildOptions& options) {

@@ -289,10 +289,7 @@ RunResult run_with(Cell& cell, const Catalogue& catalogue, const RobotModel& rob
                    const ResumePoint* before = nullptr) {
   Cell planned = cell;
   planned.layout.linkage = options.linkage;
-  require(options.wall.empty() || options.search.method == "default", "a wall needs the default search, not ",
-          options.search.method);
-  require(options.wall.empty() || options.search.objective == "height", "search objective ",
-          options.search.objective, " is for towers, not for walls");
+  check_options(options);
   const std::optional<RunModels> made = make_run_models(catalogue, robot, planned.layout, options);
   const Models models = made ? made->planning : Models{&catalogue, &robot, {}, {}, std::nullopt};
   Recorder recorder(models, hooks, cell.clock);

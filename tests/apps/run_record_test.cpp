@@ -19,6 +19,14 @@ TEST_F(RunRecord, MoreStonesThanThereAreAreRefused) {
   EXPECT_FALSE(fs::exists(folder_ + "/runs"));
 }
 
+TEST_F(RunRecord, OptionsThatExcludeEachOtherAreRefusedBeforeAnythingIsWritten) {
+  expect_refusal("run --wall 4+x", 2, {"4+x", "is not a number"});
+  expect_refusal("run --wall 2+1 --method paper", 2, {"a wall needs the default search"});
+  expect_refusal("run --wall 2+1 --objective firm", 2, {"objective firm is for towers"});
+  expect_refusal("run --method paper --objective firm", 2, {"objective firm needs the default search"});
+  EXPECT_FALSE(fs::exists(folder_ + "/runs"));
+}
+
 TEST_F(RunRecord, OneRunAtATimeWritesIntoAFolder) {
   fs::create_directories(folder_ + "/taken");
   const Outcome second = shell(

@@ -67,6 +67,9 @@ struct BuildOptions {
 };
 /// Names the options of the loop.
 [[nodiscard]] FieldList fields(BuildOptions& options);
+/// Refuses, before anything moves, options that cannot be, or not together.
+/// @throws InvalidArgument, FileError for a target file
+void check_options(const BuildOptions& options);
 
 /// The frictions that are assumed in turn: rising, from search.friction to max_friction.
 [[nodiscard]] std::vector<double> assumed_frictions(const BuildOptions& options);
