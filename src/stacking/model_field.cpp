@@ -7,6 +7,7 @@
 #include "core/quantile.hpp"
 #include "geometry/convex_pieces.hpp"
 #include "geometry/surface_tree.hpp"
+#include "motion/collision.hpp"
 #include "motion/turn_over.hpp"
 #include "stacking/arrangement.hpp"
 #include "stacking/back_away.hpp"
@@ -425,13 +426,27 @@ void model_again(const AlignedScene& first, const AlignedScene& second, const Mo
   }
 }
 
-/// To a view of the whole field, from where a run can begin, which does not know the field yet.
+/// Route to a view of the whole field from which a run can begin, which does not know the field yet: not with
+/// the fingers where stones may stand.
+std::optional<JointTrajectory> route_from_field(Cell& cell, const PlanningScene& scene,
+                                                const Eigen::Vector3d& p_W_field,
+                                                const ModelFieldOptions& options) {
+  constexpr double kClear = 0.01;  // m, more than the layout is corrected by
+  PlanningScene unknown = scene;
+  unknown.objects.push_back(unseen_field(cell.layout));
+  const CollisionChecker at_start(unknown);
+  for (const Pose& T_W_C : view_poses(cell.layout, p_W_field, kLeavingDistance)) {
+    auto route = plan_route_to_view(cell, scene, {T_W_C}, options.motion);
+    if (route && !at_start.collides(route->q.back(), kClear)) return route;
+  }
+  return std::nullopt;
+}
+
 void leave_field(Cell& cell, PlanningScene scene, const Eigen::Vector3d& p_W_field,
                  const ModelFieldOptions& options) {
   scene.objects.push_back(unseen_site(cell.layout));
   scene.opening = present_opening(cell, scene.gripper);
-  const auto route =
-      plan_route_to_view(cell, scene, view_poses(cell.layout, p_W_field, kLeavingDistance), options.motion);
+  const auto route = route_from_field(cell, scene, p_W_field, options);
   if (!route) {
     log_warning("no way leads from the last view to one of the whole field; the arm stays where it is");
     return;
