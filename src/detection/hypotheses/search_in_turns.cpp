@@ -86,11 +86,11 @@ struct SearchView {
 /// Sweep of the last turn: as many orientations as the budget of a scene allows.
 SweepOptions thorough_sweep() {
   SweepOptions options;
-  options.best = 40;
+  options.best = 60;
   options.apart = 0.2;
   options.shifts = 3;
   options.aside = 0.022;
-  options.glance = 0.12;
+  options.glance = 0.2;
   options.area_low = 0.15;
   options.area_high = 1.6;
   return options;

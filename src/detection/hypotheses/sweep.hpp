@@ -18,9 +18,9 @@ struct SweepOptions {
   double area_high = 1.4;  ///< and at most
   int shifts = 0;          ///< steps by which each trial may slide to where it fits, ...
   double glance = 1.0;     ///< share of the orientations that remain after a first trial of each from the
-                           ///< aligned centres alone, on a third of the points; the others may begin ...
-  double aside = 0.0;      ///< ... this far to four sides of the centres as well [m]: where other stones hide
-                           ///< a part, centres do not agree. All points judge the best start of each
+                           ///< aligned centres alone, on a third of the points
+  double aside = 0.0;  ///< ... from the aligned centres and from this far to four sides of them [m]: where
+                       ///< other stones hide a part, centres do not agree
 };
 
 /// Tries every orientation of the model on one cluster that one view saw from `eye`, with the visible centres
