@@ -20,11 +20,13 @@ struct WallBenchOptions : StructureBenchOptions {
 
 /// A planned wall and what became of it.
 struct WallOutcome {
-  WallPlan plan;
-  int stands = 0;  ///< stones that moved by less than the limits in this library's engine
+  WallMetrics metrics;
+  std::string reason;  ///< what stood in the way of more
+  int stands = 0;      ///< stones that moved by less than the limits in this library's engine
   OdeVerdict ode;
   double cpu = 0.0;
 };
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(WallOutcome, metrics, reason, stands, ode, cpu)
 
 WallOutcome plan_and_judge(const WallBenchOptions& options, const StonePool& pool, int k) {
   const SearchProblem problem = draw_problem(pool, options.seed, k, options.stones);
@@ -37,10 +39,12 @@ WallOutcome plan_and_judge(const WallBenchOptions& options, const StonePool& poo
   }
   const double start = processor_seconds();
   WallOutcome outcome;
-  outcome.plan = plan_wall(problem, target, options.search);
+  const WallPlan plan = plan_wall(problem, target, options.search);
   outcome.cpu = processor_seconds() - start;
+  outcome.metrics = plan.metrics;
+  outcome.reason = plan.reason;
   Stack wall;
-  for (const WallPlacement& p : outcome.plan.placements)
+  for (const WallPlacement& p : plan.placements)
     wall.stones.push_back({p.placement.stone, p.placement.T_W_O});
   if (wall.stones.empty()) return outcome;
   StandOptions stand;
@@ -55,14 +59,14 @@ WallOutcome plan_and_judge(const WallBenchOptions& options, const StonePool& poo
 }
 
 void report_wall(int draw, const WallOutcome& outcome) {
-  const WallMetrics& m = outcome.plan.metrics;
+  const WallMetrics& m = outcome.metrics;
   std::fprintf(stderr,
                "draw %d: %d of %d stones, %d stand, ODE %d (%.2f mm), margin %.3f g, fill %.2f, face %.2f, "
                "open joints "
                "%d of %d, flat %.1f mm, height %.0f mm, CPU %.1f s%s%s\n",
                draw, m.placed, m.asked, outcome.stands, outcome.ode.standing, 1e3 * outcome.ode.shift,
                m.margin, m.fill, m.face, m.open_joints, m.joints, 1e3 * m.flatness, 1e3 * m.height,
-               outcome.cpu, outcome.plan.reason.empty() ? "" : "; ", outcome.plan.reason.c_str());
+               outcome.cpu, outcome.reason.empty() ? "" : "; ", outcome.reason.c_str());
 }
 
 std::vector<TableValue> wall_cells(const WallBenchOptions& options, const std::string& pool,
@@ -71,7 +75,7 @@ std::vector<TableValue> wall_cells(const WallBenchOptions& options, const std::s
   double margin = 0.0, fill = 0.0, face = 0.0, flat = 0.0, cpu = 0.0;
   const auto n = static_cast<double>(outcomes.size());
   for (const WallOutcome& outcome : outcomes) {
-    const WallMetrics& m = outcome.plan.metrics;
+    const WallMetrics& m = outcome.metrics;
     const bool is_whole = m.placed > 0 && m.placed >= m.asked;
     whole += is_whole ? 1 : 0;
     stand += is_whole && outcome.stands == m.placed ? 1 : 0;
@@ -92,7 +96,7 @@ std::vector<TableValue> wall_cells(const WallBenchOptions& options, const std::s
   return cells;
 }
 
-void measure_walls(const WallBenchOptions& options, Results& results) {
+void measure_walls(const WallBenchOptions& options, Results& results, Draws& draws) {
   const SearchOptions& s = options.search;
   std::string courses;
   for (const int count : options.courses) courses += concat(courses.empty() ? "" : "+", count);
@@ -109,14 +113,12 @@ void measure_walls(const WallBenchOptions& options, Results& results) {
                               {"open_joints"}, {"joints"},   {"flatness_mm"}, {"cpu_s_a_stone", 1}};
   if (options.judges.ode) columns.push_back({"whole_that_stand_in_ode"});
   results.table("walls", columns);
-  for (const StonePool& pool : read_pools(options.pools)) {
-    std::vector<WallOutcome> outcomes;
-    for (int k = 0; k < options.draws; ++k) {
+  for (const StonePool& pool : read_pools(options.pools, draws)) {
+    const std::vector<WallOutcome> outcomes = draws.outcomes(pool.name, options.draws, [&](int k) {
       WallOutcome outcome = plan_and_judge(options, pool, k);
-      if (interrupt_noted()) break;
-      report_wall(k, outcome);
-      outcomes.push_back(std::move(outcome));
-    }
+      if (!interrupt_noted()) report_wall(k, outcome);
+      return outcome;
+    });
     if (!outcomes.empty()) results.row(wall_cells(options, pool.name, outcomes));
   }
   throw_if_interrupted();
@@ -156,9 +158,9 @@ void add_walls(CLI::App& app) {
       "Examples:\n"
       "  stonestack-bench walls --draws 20 --generated 0 --friction 0.3 --ode\n"
       "  stonestack-bench walls --draws 5 --generated 0 --stones 40 --length 0.8 --levels 3 --friction 0.3");
-  measure_by(*sub, [options](Results& results) {
+  measure_draws_by(*sub, [options](Results& results, Draws& draws) {
     options->settings.apply(nest("search", fields(options->search)));
-    measure_walls(*options, results);
+    measure_walls(*options, results, draws);
   });
 }
 
