@@ -4,9 +4,12 @@
 #include <memory>
 
 #include "bench.hpp"
+#include "growth.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
 #include "stonestack/search/plan_wall.hpp"
+#include "wall_growth.hpp"
 #include "walls.hpp"
 
 namespace stonestack::bench {
@@ -16,6 +19,8 @@ struct WallBenchOptions : StructureBenchOptions {
   std::vector<int> courses{4, 3, 2, 1};
   double length = 0.0;
   int levels = 3;
+  std::vector<int> growth;  // stones that stand; empty: no growth is measured
+  std::string plot;
 };
 
 /// A planned wall and what became of it.
@@ -124,6 +129,31 @@ void measure_walls(const WallBenchOptions& options, Results& results, Draws& dra
   throw_if_interrupted();
 }
 
+/// Cost of the next stone by the number of stones that stand.
+void measure_growth(const WallBenchOptions& options, Results& results, Draws& draws) {
+  results.settings({{"stones", options.stones},
+                    {"friction", options.search.friction},
+                    {"perturbations", options.search.perturbations},
+                    {"seed", options.seed}});
+  std::vector<CostPoint> last;
+  std::vector<std::pair<std::string, double>> exponents;
+  results.table("cost of the next stone",
+                {{"stones"}, {"that_stand"}, {"planned"}, {"to_begin_cpu_s", 1}, {"cpu_s_a_stone", 1}});
+  for (const StonePool& pool : read_pools(options.pools, draws)) {
+    last.clear();
+    for (const GrowthPoint& point : measure_wall_growth(options, pool, options.growth, draws)) {
+      results.row({pool.name, point.standing, point.planned, point.set_up, point.each});
+      last.push_back({static_cast<double>(point.standing), point.each});
+    }
+    throw_if_interrupted();
+    exponents.emplace_back(pool.name, growth_exponent(last));
+  }
+  results.table("growth, 1: linear", {{"stones"}, {"exponent"}});
+  for (const auto& [pool, exponent] : exponents) results.row({pool, exponent});
+  if (!options.plot.empty())
+    write_file(options.plot, growth_plot(last, "stones that stand", "CPU seconds of the next stone"));
+}
+
 }  // namespace
 
 void StructureBenchOptions::register_on(CLI::App& command) {
@@ -153,13 +183,23 @@ void add_walls(CLI::App& app) {
   sub->add_option("--levels", options->levels, "Courses of a straight wall")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
+  CLI::Option* const growth =
+      sub->add_option("--growth", options->growth, "Instead: cost of the next stone where so many stand")
+          ->delimiter(',')
+          ->check(CLI::Range(1, 1000));
+  sub->add_option("--plot", options->plot, "Plot of --growth, of the last pool")
+      ->type_name("SVG")
+      ->needs(growth);
   options->register_on(*sub);
   sub->footer(
       "Examples:\n"
+      "  stonestack-bench walls --growth 20,50,100,200 --scans none --generated 30 --stones 30 --friction "
+      "0.3 --plot growth.svg\n"
       "  stonestack-bench walls --draws 20 --generated 0 --friction 0.3 --ode\n"
       "  stonestack-bench walls --draws 5 --generated 0 --stones 40 --length 0.8 --levels 3 --friction 0.3");
   measure_draws_by(*sub, [options](Results& results, Draws& draws) {
     options->settings.apply(nest("search", fields(options->search)));
+    if (!options->growth.empty()) return measure_growth(*options, results, draws);
     measure_walls(*options, results, draws);
   });
 }

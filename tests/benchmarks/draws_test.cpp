@@ -80,5 +80,21 @@ TEST_F(BenchCommand, AMergeRefusesWhatDoesNotBelongTogether) {
   expect_refusal("search --shard 3/2 --record x.json", 2, {"--shard expects I/N"});
 }
 
+TEST_F(BenchCommand, TheNextStoneIsPlannedOnAsManyAsAreAskedFor) {
+  const Outcome bench =
+      run("walls --growth 6,12 --scans none --generated 27 --stones 27 --friction 0.5 --plot plot.svg --json "
+          "--set search.perturbations=0 --set search.verdict_seconds=0.5");
+  ASSERT_EQ(bench.code, 0) << bench.err;
+  const json rows = rows_of(bench.data(), "cost of the next stone");
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_EQ(rows[0]["that_stand"], 6);
+  EXPECT_EQ(rows[1]["that_stand"], 12);
+  for (const json& row : rows) {
+    EXPECT_EQ(row["planned"], 2);
+    EXPECT_GT(row["cpu_s_a_stone"].get<double>(), 0.0);
+  }
+  EXPECT_THAT(read_file(folder_ + "/plot.svg", 1U << 20U), HasSubstr("</svg>"));
+}
+
 }  // namespace
 }  // namespace stonestack::bench
