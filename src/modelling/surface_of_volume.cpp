@@ -7,9 +7,12 @@
 #include <CGAL/Mesh_triangulation_3.h>
 #include <CGAL/Surface_mesh.h>
 #include <CGAL/facets_in_complex_3_to_triangle_mesh.h>
-#include <CGAL/make_mesh_3.h>
+#include <CGAL/refine_mesh_3.h>
 
 #include <functional>
+#include <iterator>
+#include <utility>
+#include <vector>
 
 #include "stonestack/core/error.hpp"
 
@@ -24,6 +27,7 @@ using Criteria = CGAL::Mesh_criteria_3<Triangulation>;
 
 constexpr double kMinAngle = 25.0;   // degrees of a triangle
 constexpr double kOffSurface = 0.1;  // of `facet`: distance of a triangle's middle from the surface
+constexpr int kFirstPoints = 100;    // on the surface, with which meshing begins
 constexpr double kPrecision = 1e-4;  // of the sphere's radius, with which the surface is met
 
 }  // namespace
@@ -43,8 +47,19 @@ Mesh surface_of(const DistanceVolume& volume, double facet) {
       distance, Kernel::Sphere_3(centre, radius * radius), with::relative_error_bound = kPrecision);
   const Criteria criteria(with::facet_angle = kMinAngle, with::facet_size = facet,
                           with::facet_distance = kOffSurface * facet);
-  const auto complex = CGAL::make_mesh_3<Complex>(domain, criteria, with::manifold(), with::no_perturb(),
-                                                  with::no_exude(), with::no_odt(), with::no_lloyd());
+  // Of the usual twelve first points on a compact stone's surface now and then no triangle lies on it, and
+  // nothing is there to refine.
+  std::vector<std::pair<Kernel::Point_3, Domain::Index>> first;
+  domain.construct_initial_points_object()(std::back_inserter(first), kFirstPoints);
+  Complex complex;
+  for (const auto& [point, index] : first) {
+    const auto vertex = complex.triangulation().insert(Triangulation::Weighted_point(point));
+    if (vertex == Complex::Vertex_handle()) continue;  // hidden by another
+    complex.set_dimension(vertex, 2);
+    complex.set_index(vertex, index);
+  }
+  CGAL::refine_mesh_3(complex, domain, criteria, with::manifold(), with::no_perturb(), with::no_exude(),
+                      with::no_odt(), with::no_lloyd());
   CGAL::Surface_mesh<Kernel::Point_3> found;
   CGAL::facets_in_complex_3_to_triangle_mesh(complex, found);
   Mesh mesh;
