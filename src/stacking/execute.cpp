@@ -17,7 +17,7 @@ bool leads_to_grasp(const PickAndPlacePlan& plan, const PlanStep& step) {
 }  // namespace
 
 ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const PlanningScene& scene,
-                        Cell& cell, const MotionOptions& options, Journal* journal, bool drags) {
+                        Cell& cell, const MotionOptions& options, Journal* journal, LetGo how) {
   PlanExecutor executor{plan, stone, scene, cell, options, journal};
   using Status = ExecutionResult::Status;
   ExecutionResult result;
@@ -45,20 +45,20 @@ ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const 
         lowered = true;
         result.contact_force = now.contact_force;
         if (!touched) result.reason = "no contact where the stone should touch; let go there";
-        if (touched && drags && now.status == Status::kReleased) {
+        if (touched && how == LetGo::kDragged && now.status == Status::kReleased) {
           now = executor.measure_friction();
           result.friction = now.friction;
         }
         break;
       case PlanStep::Kind::kRelease:
-        if (loose) now = executor.clear_table(step);
+        if (loose) now = executor.clear_table(step, step.opening);
         if (now.status != Status::kReleased) break;
         loose = true;
         executor.open(step);
         executor.set_payload(false);
         break;
       case PlanStep::Kind::kRetreat:
-        if (loose) now = executor.check_empty(step, true);
+        if (loose && how != LetGo::kTippedOver) now = executor.check_empty(step, true);
         if (now.status != Status::kReleased) break;
         now = lowered ? executor.retreat(step) : executor.follow(step);
         if (loose && now.status == Status::kReleased) now = executor.check_empty(step, false);

@@ -23,16 +23,23 @@ struct ExecutionResult {
   std::optional<double> weight = std::nullopt;
 };
 
+/// How a stone is let go of at the end of a plan.
+enum class LetGo {
+  kResting,    ///< it rests; nothing may be left in the fingers before they leave it
+  kDragged,    ///< likewise, once it was dragged over the table, to measure the friction
+  kTippedOver  ///< it falls over on the table, onto the fingers perhaps; nothing may be left in them
+               ///< afterwards
+};
+
 /// Carries out a plan step by step: every step is in the journal before it begins. Payload follows the grasp.
 /// Before the gripper is lowered, and before the guarded descent, wrist and gripper check whether the stone
 /// is still there; if not, the gripper returns along the same path and opens where the carry began. What
 /// touches while it is lowered, before the guarded descent, is released there: the stone is held otherwise
 /// than planned, and the next view shows how it lies. After contact the retreat is planned anew from the
-/// arm's measured joints. A stop of the arm ends it at once, with the stone held. `drags`: the stone comes to
-/// rest on the table, and is dragged over it before the release, to measure the friction.
+/// arm's measured joints. A stop of the arm ends it at once, with the stone held.
 [[nodiscard]] ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone,
                                       const PlanningScene& scene, Cell& cell, const MotionOptions& options,
-                                      Journal* journal, bool drags = false);
+                                      Journal* journal, LetGo how = LetGo::kResting);
 
 /// Carries out a `plan_push`. What is met on the way down, or resists more than a sliding stone does, ends
 /// the push: the gripper returns along the path that it came on. kReleased if it pushed to the end or until

@@ -285,7 +285,7 @@ class Turner {
     log_info("turning " + candidate.stone.name + " over");
     candidate.moved = true;  // also where the arm stops on the way
     const ExecutionResult done =
-        execute(plan->plan, candidate.stone, scene_, cell_, options_.motion, journal_);
+        execute(plan->plan, candidate.stone, scene_, cell_, options_.motion, journal_, LetGo::kTippedOver);
     if (done.status == ExecutionResult::Status::kStopped)
       throw DeviceError("arm", "stopped while it turned " + candidate.stone.name + ": " + done.reason,
                         "clear the cell and start again");

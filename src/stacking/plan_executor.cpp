@@ -242,6 +242,8 @@ ExecutionResult PlanExecutor::check_empty(const PlanStep& step, bool may_open) c
   double left = wrist.feel().weight;
   const auto empty = [&] { return left <= max && !cell.gripper.state().object; };
   if (!empty() && may_open) {
+    const ExecutionResult clear = clear_table(step, scene.gripper.max_opening);
+    if (clear.status != Status::kReleased) return clear;
     cell.gripper.move(scene.gripper.max_opening, kStrokeSpeed, kFingerForce);
     left = wrist.feel().weight;
   }
@@ -253,9 +255,9 @@ ExecutionResult PlanExecutor::check_empty(const PlanStep& step, bool may_open) c
                  stone.name, " out of the fingers")};
 }
 
-ExecutionResult PlanExecutor::clear_table(const PlanStep& step) const {
+ExecutionResult PlanExecutor::clear_table(const PlanStep& step, double opening) const {
   const Pose T_R_T = forward(scene.robot, cell.arm.state().q) * scene.T_F_T;
-  const double tip_z = furthest_tip(scene.gripper, held_opening(), step.opening);
+  const double tip_z = furthest_tip(scene.gripper, held_opening(), opening);
   if ((cell.layout.T_W_R * T_R_T * Eigen::Vector3d(0, 0, tip_z)).z() > kNearTable) return {};
   return go_back(step, kBackOff);
 }

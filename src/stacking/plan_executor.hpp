@@ -71,7 +71,7 @@ struct PlanExecutor {
   /// Checks that opened fingers hold no stone: stuck, jammed between two, or wedged. The measured load
   /// decides, as a gripper only reports an object that it closes on. `may_open`: may open fully, once.
   [[nodiscard]] ExecutionResult check_empty(const PlanStep& step, bool may_open) const;
-  [[nodiscard]] ExecutionResult clear_table(const PlanStep& step) const;
+  [[nodiscard]] ExecutionResult clear_table(const PlanStep& step, double opening) const;
   [[nodiscard]] ExecutionResult go_back(const PlanStep& step, double distance) const;
   /// Moves the closed gripper straight on as far as the step does, from where the arm stands, until more
   /// resists than the step's threshold; `resisted` is true then.

@@ -179,7 +179,9 @@ ExecutionResult execute(Workcell& w, const Action& action, const MotionPlan& pla
   } else {
     done = execute(plan.pick_and_place, w.models.stone(plan.placement.stone), plan.scene, w.cell,
                    w.options.motion, journal,
-                   w.options.measure_friction && std::holds_alternative<Place>(action) && stack_before == 0);
+                   w.options.measure_friction && std::holds_alternative<Place>(action) && stack_before == 0
+                       ? LetGo::kDragged
+                       : LetGo::kResting);
     if (done.friction) w.emit(FrictionMeasured{plan.placement.stone, *done.friction});
   }
   w.seconds.motion += w.cell.clock.now() - start;

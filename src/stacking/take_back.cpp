@@ -158,7 +158,7 @@ struct Leaving {
       if (w.cell.gripper.state().opening < plan.steps[release].opening) executor.open(plan.steps[release]);
       const PlanStep& wide = plan.steps[static_cast<std::size_t>(retreat - plan.steps.data()) - 1];
       if (wide.kind == Kind::kRelease) {
-        check(executor.clear_table(wide));
+        check(executor.clear_table(wide, wide.opening));
         executor.open(wide);
       }
       return check(executor.retreat(*retreat));

@@ -81,6 +81,24 @@ TEST(ExecuteRelease, AStoneThatStaysAtAFingerEndsTheRunBeforeTheRetreat) {
   EXPECT_EQ(cell.arm.payloads.back(), carried_mass(cell.scene.gripper) + 1.0) << "the arm holds it still";
 }
 
+/// A stone that tips over falls onto the fingers, and off them as they leave.
+TEST(ExecuteRelease, AStoneThatIsTippedOverMayLeanOnTheFingersUntilTheyLeave) {
+  Released cell;
+  cell.left = 1.0;
+  cell.arm.guarded = {Status::kNoContact, Status::kContact};
+  const auto done = execute(cell.plan, cell.stone, cell.scene, cell.cell, {}, nullptr, LetGo::kTippedOver);
+  EXPECT_EQ(done.status, End::kReleased) << done.reason;
+  EXPECT_EQ(cell.arm.commands.back(), "follow");
+
+  Released stuck;
+  stuck.left = stuck.left_after_retreat = 1.0;
+  stuck.arm.guarded = {Status::kNoContact, Status::kContact};
+  const auto held =
+      execute(stuck.plan, stuck.stone, stuck.scene, stuck.cell, {}, nullptr, LetGo::kTippedOver);
+  EXPECT_EQ(held.status, End::kStopped);
+  EXPECT_THAT(held.reason, testing::HasSubstr("not empty after release"));
+}
+
 TEST(ExecuteRelease, OpeningWiderMayFreeIt) {
   Released cell;
   cell.opens_at = 0.12;

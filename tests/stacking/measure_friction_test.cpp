@@ -63,7 +63,7 @@ struct SlidingBench : Bench {
   ExecutionResult drag() {
     arm.guarded = {Status::kNoContact, Status::kContact};
     arm.guarded.insert(arm.guarded.end(), 4, Status::kNoContact);
-    return execute(plan, stone, scene, cell, {}, nullptr, true);
+    return execute(plan, stone, scene, cell, {}, nullptr, LetGo::kDragged);
   }
 };
 
@@ -91,7 +91,8 @@ TEST(MeasureFriction, AStoneThatDoesNotPressHasNoFriction) {
 TEST(MeasureFriction, AStopOfTheArmEndsIt) {
   SlidingBench bench;
   bench.arm.guarded = {Status::kNoContact, Status::kContact, Status::kNoContact, Status::kStopped};
-  const ExecutionResult done = execute(bench.plan, bench.stone, bench.scene, bench.cell, {}, nullptr, true);
+  const ExecutionResult done =
+      execute(bench.plan, bench.stone, bench.scene, bench.cell, {}, nullptr, LetGo::kDragged);
   EXPECT_EQ(done.status, ExecutionResult::Status::kStopped);
   EXPECT_THAT(done.reason, testing::HasSubstr("dragging"));
 }
@@ -99,7 +100,8 @@ TEST(MeasureFriction, AStopOfTheArmEndsIt) {
 TEST(MeasureFriction, AStoneThatIsStoppedIsReleasedWithoutAFriction) {
   SlidingBench bench;
   bench.arm.guarded = {Status::kNoContact, Status::kContact, Status::kNoContact, Status::kContact};
-  const ExecutionResult done = execute(bench.plan, bench.stone, bench.scene, bench.cell, {}, nullptr, true);
+  const ExecutionResult done =
+      execute(bench.plan, bench.stone, bench.scene, bench.cell, {}, nullptr, LetGo::kDragged);
   EXPECT_EQ(done.status, ExecutionResult::Status::kReleased);
   EXPECT_FALSE(done.friction);
 }
