@@ -76,6 +76,10 @@ bool is_of_mount(const std::string& name) {
   return name == "layout.hand_eye" || name == "layout.T_T_C" || name.rfind("layout.T_T_C.", 0) == 0;
 }
 
+bool is_of_base(const std::string& name) {
+  return name.rfind("layout.T_W_R.", 0) == 0;
+}
+
 /// The text of a cell file, and where its entries stand in it.
 class CellText {
  public:
@@ -300,6 +304,23 @@ std::string write_mount(const std::string& path, const Pose& T_F_C, const std::s
                     : has("layout.hand_eye") ? cell.with_entry_replaced(*old, line)
                                              : cell.with_entry_added(line);
   if (!text || !reads_as_intended(*text, target, before, file, numbers)) refuse_to_edit(path, line);
+  replace_file(target, *text);
+  return "layout." + line;
+}
+
+std::string write_base(const std::string& path, const Pose& T_W_R) {
+  const std::string base = "layout.T_W_R";
+  const std::string target = linked_file(path);
+  const CellText cell(read_file(target, kMaxFile), target);
+  const Scalars before = cell.scalars();
+  const Numbers numbers = numbers_of(T_W_R);
+  const std::string line = "T_W_R: " + flow_text(numbers);
+  const bool has_pose =
+      std::any_of(before.begin(), before.end(), [](const auto& entry) { return is_of_base(entry.first); });
+  const auto text = has_pose ? cell.with_numbers(base, numbers) : cell.with_entry_added(line);
+  const auto after = text ? read_scalars(*text, target) : std::nullopt;
+  if (!after || !holds(*after, base, numbers) || !same_but(*after, before, is_of_base))
+    refuse_to_edit(path, line);
   replace_file(target, *text);
   return "layout." + line;
 }

@@ -82,6 +82,14 @@ void add_thing(std::vector<Obstacle>& obstacles, const std::string& what, const 
 
 }  // namespace
 
+std::vector<Obstacle> objects_above_table(const Views& views, const DetectionOptions& options,
+                                          const std::string& what) {
+  std::vector<Obstacle> obstacles;
+  for (const UnknownThing& thing : find_stack({}, {}, std::nullopt, surface_in(views, options)).unknown)
+    add_thing(obstacles, what, thing);
+  return obstacles;
+}
+
 std::vector<Obstacle> unknown_objects(const Workcell& w, const Views& views,
                                       const std::vector<PlacedStone>& stones) {
   const auto sorted =

@@ -140,6 +140,11 @@ NewCell write_new_cell(const CellSetup& setup, const ControllerDescription& cont
 /// lines in one value): it says the line to write by hand.
 std::string write_mount(const std::string& path, const Pose& T_F_C, const std::string& calibration = "");
 
+/// Writes the robot's base into a cell file as `layout.T_W_R` and leaves every other character as it is.
+/// @return the line that was written
+/// @throws FileError as `write_mount`
+std::string write_base(const std::string& path, const Pose& T_W_R);
+
 /// A pose as a cell file has it, to 0.1 um: "{x: 0.0, y: 0.11, z: -0.17, qx: 0.0871557, ...}"
 [[nodiscard]] std::string mount_text(const Pose& pose);
 
