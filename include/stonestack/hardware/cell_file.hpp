@@ -46,6 +46,9 @@ class HardwareCell {
   [[nodiscard]] bool activates_gripper();
   /// Activates the gripper if it is not active: it opens and closes fully, so only with an empty gripper.
   void activate_gripper();
+  /// Checksum of the safety configuration that the arm's controller has, as eight hexadecimal digits; empty
+  /// where it says none.
+  [[nodiscard]] std::string safety_checksum() const;
 
  private:
   struct Devices;
@@ -92,6 +95,9 @@ struct ControllerDescription {
   /// The arm's own DH table, calibration included: theta, d, a, alpha of each joint [m, rad]. Empty where
   /// the script port says none.
   std::optional<std::array<std::array<double, 4>, 6>> dh;
+  /// Checksum of the safety configuration, as eight hexadecimal digits. Empty where the script port says
+  /// none.
+  std::string safety_checksum;
 };
 /// Asks a controller what it is. Moves and changes nothing. Of the cell only address and ports are used.
 /// @throws DeviceError
