@@ -123,6 +123,11 @@ class TouchPlanner {
     }
   }
 
+  /// Route back to where the arm stood; empty where there is none.
+  [[nodiscard]] std::optional<JointTrajectory> plan_return(const Joints& q, const Joints& q_home) const {
+    return plan_transit(scene_, q, q_home, motion_);
+  }
+
  private:
   [[nodiscard]] CollisionRules rules() const {
     CollisionRules rules;
@@ -269,6 +274,9 @@ class TableToucher {
       found.force[k] = feel(touches[k].descent, k, T_W_T);
     }
     judge(T_W_T, expected.seen_W, found);
+    if (!home_) return found;
+    const MotionResult back = cell_.arm.follow(*home_);
+    if (back.status != MotionResult::Status::kDone) report_stop(cell_, back.reason);
     return found;
   }
 
@@ -335,7 +343,7 @@ class TableToucher {
   }
 
   [[nodiscard]] std::vector<Touch> plan(const CameraView& view, const Plane& table_C,
-                                        const ExpectedTable& expected) const {
+                                        const ExpectedTable& expected) {
     CellLayout layout = cell_.layout;
     for (Obstacle& object : objects_above_table({view}, {}, "object on the table"))
       layout.obstacles.push_back(std::move(object));
@@ -354,6 +362,7 @@ class TableToucher {
                  " m off a line, where the camera sees bare table and the open fingers can come down; ",
                  places.size(), " places were tried"),
           "clear the field of stones, and see `stonestack view CELL` about reach and limits");
+    home_ = planner.plan_return(touches.back().route.q.back(), q_start_);
     return touches;
   }
 
@@ -424,6 +433,8 @@ class TableToucher {
   const RobotModel& robot_;
   MotionOptions motion_;
   double start_ = cell_.clock.now();
+  Joints q_start_ = cell_.arm.state().q;
+  std::optional<JointTrajectory> home_;  // from above the last point
 };
 
 std::string in_words(const TableLevel& level) {

@@ -88,7 +88,9 @@ struct BareCell {
 
 TEST(TouchTable, FindsATableThatIsWhereItIsSaidToBe) {
   BareCell in;
+  const Joints q_start = in.arm.state().q;
   const TouchedTable table = in.touch();
+  EXPECT_LT((in.arm.state().q - q_start).cwiseAbs().maxCoeff(), 1e-3) << "the arm returns";
   EXPECT_NEAR(table.touched.height, 0.0, 0.5 * kMillimetre);
   EXPECT_LT(table.touched.tilt, 0.15 * kDegree);
   EXPECT_THAT(table.problems, testing::IsEmpty()) << to_text(table);

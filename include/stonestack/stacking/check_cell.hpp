@@ -101,7 +101,8 @@ struct TouchedTable {
 /// table, free for the gripper, as far apart as the view and the arm's reach allow; the routes to all of them
 /// are planned before the first descent. A descent is straight down, at 10 mm/s, guarded by the force at the
 /// wrist, and ends 25 mm below where table and camera would have it at the latest. The gripper opens fully
-/// first: that is where the tip of the tool is defined. The tool is never faster than 0.25 m/s.
+/// first: that is where the tip of the tool is defined. In the end the arm returns to where it stood, if the
+/// way is free. The tool is never faster than 0.25 m/s.
 /// @throws DeviceError, with the remedy, for a table that is not seen, fewer than three points, a descent
 /// that meets nothing, a motion that the arm refuses, and after five minutes; Error (safety stop) when the
 /// arm is stopped; Interrupted
