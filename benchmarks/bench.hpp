@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <functional>
 
+#include "draws.hpp"
 #include "result_table.hpp"
 #include "rooms.hpp"
 
@@ -12,6 +13,9 @@ namespace stonestack::bench {
 /// Gives a benchmark --json and --record, and runs it with results of its own, which are printed whether it
 /// ends, fails or is interrupted. What --record names is written at the end, with the command.
 void measure_by(CLI::App& sub, std::function<void(Results&)> measure);
+/// Likewise a benchmark of independent draws, which gets --shard, --continue and --merge, too. What a shard
+/// records holds the outcomes of its draws and the arguments; a merge parses these and makes the tables.
+void measure_draws_by(CLI::App& sub, std::function<void(Results&, Draws&)> measure);
 
 void add_faults(CLI::App& app);
 void add_kinematics(CLI::App& app);

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "bench.hpp"
 #include "common_options.hpp"
@@ -42,34 +43,37 @@ std::string csv_of(const std::string& path, const std::string& method) {
   return (file.parent_path() / (method + "-" + file.filename().string())).string();
 }
 
-void measure_kind(const SceneKind& kind, const SceneMaker& maker, const std::vector<Stone>& stones,
-                  const DetectionModels& models, DetectionOptions options, const DetectionBench& settings,
-                  Results& results) {
+/// Detection of known stones in scenes.
+struct Detector {
+  SceneMaker maker;
+  DetectionModels models;
+};
+
+DetectionTally detect_in(const SceneKind& kind, int scene_number, const Detector& detector,
+                         const std::vector<Stone>& stones, DetectionOptions options,
+                         const DetectionBench& settings, Results& results) {
   options.copies = kind.copies;
   DetectionTally tally;
-  for (int i = settings.first; i < settings.first + settings.scenes; ++i) {
-    throw_if_interrupted();
-    const auto seed =
-        static_cast<std::uint64_t>(settings.common.seed) * 100000 + static_cast<std::uint64_t>(i);
-    const auto scene = maker.make(kind, seed, settings.camera_error);
-    if (settings.list) results.note("  %s %d", kind.name.c_str(), i);
-    const Stopwatch watch;
-    const double start = processor_seconds();
-    const auto result = detect_stones(scene.views, models, {}, options);
-    tally.cpu += processor_seconds() - start;
-    tally.wall += watch.seconds();
-    judge(result, scene, kind, stones.size(), settings.list ? &results : nullptr, tally);
-    if (result.trace) write_trace(concat(settings.trace, "/", kind.name, "_", i), *result.trace, stones);
-  }
-  results.row(detection_cells(options.method, kind.name, tally));
+  const auto seed =
+      static_cast<std::uint64_t>(settings.common.seed) * 100000 + static_cast<std::uint64_t>(scene_number);
+  const auto scene = detector.maker.make(kind, seed, settings.camera_error);
+  if (settings.list) results.note("  %s %d", kind.name.c_str(), scene_number);
+  const Stopwatch watch;
+  const double start = processor_seconds();
+  const auto result = detect_stones(scene.views, detector.models, {}, options);
+  tally.cpu = processor_seconds() - start;
+  tally.wall = watch.seconds();
+  judge(result, scene, kind, stones.size(), settings.list ? &results : nullptr, tally);
+  if (result.trace)
+    write_trace(concat(settings.trace, "/", kind.name, "_", scene_number), *result.trace, stones);
+  return tally;
 }
 
-void measure(DetectionBench& settings, const std::vector<Stone>& stones, Results& results) {
+void measure(DetectionBench& settings, const std::vector<Stone>& stones, Results& results, Draws& draws) {
   const auto kinds = scene_kinds();
   for (const auto& name : settings.kinds)
     require(std::any_of(kinds.begin(), kinds.end(), [&](const auto& k) { return k.name == name; }),
             "no kind of scene is called '", name, "'; see --help");
-  const SceneMaker maker(stones);
   results.settings({{"scenes", settings.scenes},
                     {"first", settings.first},
                     {"models", stones.size()},
@@ -81,11 +85,19 @@ void measure(DetectionBench& settings, const std::vector<Stone>& stones, Results
   results.table("detection", detection_columns());
   for (const auto& method : settings.methods) {
     const DetectionOptions options = options_for(method, settings);
-    const DetectionModels models(stones, options);
+    std::optional<Detector> detector;
+    if (draws.performs()) detector.emplace(Detector{SceneMaker(stones), DetectionModels(stones, options)});
     for (const auto& kind : kinds) {
       const auto& wanted = settings.kinds;
-      if (wanted.empty() || std::find(wanted.begin(), wanted.end(), kind.name) != wanted.end())
-        measure_kind(kind, maker, stones, models, options, settings, results);
+      if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), kind.name) == wanted.end()) continue;
+      const auto tallies = draws.outcomes(concat(method, ' ', kind.name), settings.scenes, [&](int i) {
+        return detect_in(kind, settings.first + i, *detector, stones, options, settings, results);
+      });
+      throw_if_interrupted();
+      if (tallies.empty()) continue;
+      DetectionTally sum;
+      for (const DetectionTally& tally : tallies) add(sum, tally);
+      results.row(detection_cells(options.method, kind.name, sum));
     }
   }
 }
@@ -121,6 +133,8 @@ void add_detection(CLI::App& app) {
       "Examples:\n"
       "  stonestack-bench detection --scenes 100 --methods default,paper\n"
       "  stonestack-bench detection --kinds touching --first 7 --scenes 1 --list --trace trace\n"
+      "  stonestack-bench detection --scenes 100 --shard 2/8 --record part-2.json\n"
+      "  stonestack-bench detection --merge part-*.json\n"
       "  stonestack-bench detection --bop lm --bop-csv stonestack_lm-test.csv\n"
       "Kinds: isolated, four stones apart; touching, in a heap; stacked, three on each other, seen from the "
       "side; "
@@ -133,8 +147,9 @@ void add_detection(CLI::App& app) {
       "scores\n"
       "BOP data sets are scored as the BOP toolkit does (MSSD, MSPD), with the symmetries of "
       "models_info.json or,\nwhere it names none, of the meshes.");
-  measure_by(*sub, [command](Results& results) {
-    if (command->bop.empty()) return measure(*command, command->common.read().stones, results);
+  measure_draws_by(*sub, [command](Results& results, Draws& draws) {
+    if (command->bop.empty()) return measure(*command, command->common.read().stones, results, draws);
+    require(!draws.divided(), "--shard and --merge are for our scenes, not for --bop");
     results.settings({{"bop", command->bop}, {"split", command->bop_split}});
     const bool several = command->methods.size() > 1;
     for (const auto& method : command->methods)

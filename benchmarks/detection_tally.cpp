@@ -91,6 +91,18 @@ void judge(const DetectionResult& result, const BenchScene& scene, const SceneKi
       list->note("    missed: stone %d unhidden %.2f", t->stone.value(), t->unhidden);
 }
 
+void add(DetectionTally& sum, const DetectionTally& more) {
+  for (const auto count :
+       {&DetectionTally::scenes, &DetectionTally::present, &DetectionTally::right, &DetectionTally::wrong,
+        &DetectionTally::absent, &DetectionTally::false_accepts, &DetectionTally::calibrated})
+    sum.*count += more.*count;
+  for (const auto samples : {&DetectionTally::degrees, &DetectionTally::millimetres, &DetectionTally::chi2,
+                             &DetectionTally::right_scores, &DetectionTally::bad_scores})
+    (sum.*samples).insert((sum.*samples).end(), (more.*samples).begin(), (more.*samples).end());
+  sum.wall += more.wall;
+  sum.cpu += more.cpu;
+}
+
 std::vector<Column> detection_columns() {
   return {{"method"},
           {"kind"},

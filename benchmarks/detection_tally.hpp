@@ -1,4 +1,5 @@
 #pragma once
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,11 @@ struct DetectionTally {
   std::vector<double> degrees, millimetres, chi2, right_scores, bad_scores;
   double wall = 0, cpu = 0;  ///< time of all scenes, s
 };
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DetectionTally, scenes, present, right, wrong, absent, false_accepts,
+                                   calibrated, degrees, millimetres, chi2, right_scores, bad_scores, wall,
+                                   cpu)
+/// Adds the counts and samples of other scenes.
+void add(DetectionTally& sum, const DetectionTally& more);
 
 /// Compares what was found with the truth. Right: within 5 deg and 5 mm. A stone counts as present if the
 /// kind's share of what faces the first camera is not hidden. `list` gets a note of every detection, miss and

@@ -1,5 +1,6 @@
 #pragma once
 #include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 
 #include "rooms.hpp"
 #include "stonestack/physics/stack.hpp"
@@ -19,6 +20,7 @@ struct OdeVerdict {
   double shift = 0.0;  ///< largest of any stone, m
   double turn = 0.0;   ///< largest of any stone, rad
 };
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(OdeVerdict, standing, shift, turn)
 /// How planned stacks are judged.
 struct Judges {
   bool ode = false;             ///< in the other engine too

@@ -137,44 +137,42 @@ SearchOutcome run_paper(const SearchBenchOptions& options, const StonePool& pool
   return outcome;
 }
 
-/// Candidates a CPU second of one thread, both methods, on the second level of the first draw.
-void report_speed(const SearchBenchOptions& options, const StonePool& pool, Results& results) {
+/// Rows on the candidates a CPU second of one thread, both methods, on the second level of the first draw.
+std::vector<std::vector<TableValue>> measure_speed(const SearchBenchOptions& options, const StonePool& pool) {
   SearchOptions search = options.search;
   search.threads = 1;
   search.horizon = 1;
   SearchProblem problem = draw_problem(pool, options.seed, 0, options.stones);
   const SearchResult first = find_next_pose(problem, search);
-  if (first.best.empty()) return;
+  if (first.best.empty()) return {};
   problem.stack.stones.push_back({first.best.front().stone, first.best.front().T_W_O});
+  std::vector<std::vector<TableValue>> rows;
   for (const char* method : {"default", "paper"}) {
     search.method = method;
     const double start = processor_seconds();
     const SearchResult found = find_next_pose(problem, search);
     const double cpu = processor_seconds() - start;
-    results.row({pool.name, method, found.candidates, cpu, static_cast<double>(found.candidates) / cpu});
+    rows.push_back({pool.name, method, found.candidates, cpu, static_cast<double>(found.candidates) / cpu});
   }
+  return rows;
 }
 
-/// The draws of one pool by both methods.
-struct PoolOutcomes {
-  std::vector<SearchOutcome> of_default, of_paper;
+/// A draw by both methods.
+struct DrawOutcome {
+  SearchOutcome of_default, of_paper;
 };
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DrawOutcome, of_default, of_paper)
 
-PoolOutcomes measure_pool(const SearchBenchOptions& options, const StonePool& pool,
-                          const SearchRow& of_search, const SearchRow& paper) {
-  PoolOutcomes outcomes;
-  for (int k = 0; k < options.draws; ++k) {
-    const SearchOutcome found = run_default(options, pool, k);
-    if (interrupt_noted()) break;  // what was found till then is no draw
-    outcomes.of_default.push_back(found);
-    report_draw(of_search, k, found);
-    if (!options.paper) continue;
-    const SearchOutcome found_by_paper = run_paper(options, pool, k, found.cpu);
-    if (interrupt_noted()) break;
-    outcomes.of_paper.push_back(found_by_paper);
-    report_draw(paper, k, found_by_paper);
-  }
-  return outcomes;
+DrawOutcome perform_draw(const SearchBenchOptions& options, const StonePool& pool, const SearchRow& of_search,
+                         const SearchRow& paper, int k) {
+  DrawOutcome outcome;
+  outcome.of_default = run_default(options, pool, k);
+  if (interrupt_noted()) return outcome;
+  report_draw(of_search, k, outcome.of_default);
+  if (!options.paper) return outcome;
+  outcome.of_paper = run_paper(options, pool, k, outcome.of_default.cpu);
+  if (!interrupt_noted()) report_draw(paper, k, outcome.of_paper);
+  return outcome;
 }
 
 std::vector<Figure> settings_of(const SearchBenchOptions& options) {
@@ -201,22 +199,29 @@ std::vector<Figure> settings_of(const SearchBenchOptions& options) {
   return settings;
 }
 
-void measure(const SearchBenchOptions& options, Results& results) {
+void measure(const SearchBenchOptions& options, Results& results, Draws& draws) {
   const SearchOptions& s = options.search;
   results.settings(settings_of(options));
   results.table("towers", search_columns(options.judges.ode));
-  const std::vector<StonePool> pools = read_pools(options.pools);
+  const std::vector<StonePool> pools = read_pools(options.pools, draws);
   std::vector<std::pair<std::string, std::vector<SearchOutcome>>> of_paper;
   for (const StonePool& pool : pools) {
     const SearchRow of_search{pool.name,    "default",          options.stones,
                               s.min_margin, options.judges.ode, options.judges.in_ode};
     const SearchRow paper{
         pool.name, "paper", options.stones, s.min_margin, options.judges.ode, options.judges.in_ode};
-    PoolOutcomes outcomes = measure_pool(options, pool, of_search, paper);
-    if (!outcomes.of_default.empty()) results.row(search_cells(of_search, outcomes.of_default));
-    if (outcomes.of_paper.empty()) continue;
-    results.row(search_cells(paper, outcomes.of_paper));
-    of_paper.emplace_back(pool.name, std::move(outcomes.of_paper));
+    const auto outcomes = draws.outcomes(
+        pool.name, options.draws, [&](int k) { return perform_draw(options, pool, of_search, paper, k); });
+    if (outcomes.empty()) continue;
+    std::vector<SearchOutcome> by_default, by_paper;
+    for (const DrawOutcome& outcome : outcomes) {
+      by_default.push_back(outcome.of_default);
+      by_paper.push_back(outcome.of_paper);
+    }
+    results.row(search_cells(of_search, by_default));
+    if (!options.paper) continue;
+    results.row(search_cells(paper, by_paper));
+    of_paper.emplace_back(pool.name, std::move(by_paper));
   }
   if (!of_paper.empty())
     results.table(
@@ -226,7 +231,10 @@ void measure(const SearchBenchOptions& options, Results& results) {
   throw_if_interrupted();  // the rows are of what was done
   results.table("one thread, second level of the first draw",
                 {{"stones"}, {"method"}, {"candidates"}, {"cpu_s"}, {"candidates_per_s", 0}});
-  for (const StonePool& pool : pools) report_speed(options, pool, results);
+  for (const StonePool& pool : pools)
+    for (const auto& rows :
+         draws.outcomes(pool.name + " speed", 1, [&](int) { return measure_speed(options, pool); }))
+      for (const auto& row : rows) results.row(row);
 }
 
 }  // namespace
@@ -265,10 +273,12 @@ void add_search(CLI::App& app) {
       "  stonestack-bench search --draws 40\n"
       "  stonestack-bench search --draws 40 --generated 0 --friction 0.5 --stones 6\n"
       "  stonestack-bench search --draws 10 --generated 0 --paper 0 --ode\n"
+      "  stonestack-bench search --draws 40 --shard 2/8 --record part-2.json\n"
+      "  stonestack-bench search --merge part-*.json\n"
       "  stonestack-bench search --noise 2 --noise-turn 2 --set search.placement_sigma_translation=0.002");
-  measure_by(*sub, [options](Results& results) {
+  measure_draws_by(*sub, [options](Results& results, Draws& draws) {
     options->settings.apply(nest("search", fields(options->search)));
-    measure(*options, results);
+    measure(*options, results, draws);
   });
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 // What `stonestack-bench search` reports of each draw and of a row of them.
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,8 @@ struct SearchOutcome {
   OdeVerdict ode;
   std::string reason;
 };
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SearchOutcome, planned, clean, cpu, wall, margin, shaken, once,
+                                   once_planned, ode, reason)
 
 /// A row of the table: which stones, which method, and how towers were asked for and judged.
 struct SearchRow {

@@ -94,6 +94,10 @@ std::vector<StonePool> read_pools(const PoolOptions& options) {
   return pools;
 }
 
+std::vector<StonePool> read_pools(const PoolOptions& options, const Draws& draws) {
+  return draws.performs() ? read_pools(options) : read_pool_stones(options);
+}
+
 SearchProblem draw_problem(const StonePool& pool, int seed, int k, int count) {
   Random random = Random::stream(static_cast<std::uint64_t>(seed), static_cast<std::uint64_t>(k));
   std::vector<StoneIndex> order = first_stones(pool.shapes.size());

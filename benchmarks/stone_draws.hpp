@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "draws.hpp"
 #include "rooms.hpp"
 #include "stonestack/search/find_next_pose.hpp"
 #include "stonestack/stone/stone.hpp"
@@ -43,6 +44,8 @@ struct StonePool {
 [[nodiscard]] std::vector<StonePool> read_pools(const PoolOptions& options);
 /// Pools of the same stones without shapes.
 [[nodiscard]] std::vector<StonePool> read_pool_stones(const PoolOptions& options);
+/// Pools with shapes where draws are performed, else without.
+[[nodiscard]] std::vector<StonePool> read_pools(const PoolOptions& options, const Draws& draws);
 
 /// Draw k: `count` different stones, and how they lie before they are picked up.
 [[nodiscard]] SearchProblem draw_problem(const StonePool& pool, int seed, int k, int count);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <ctime>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 
 #include "physics/block_assembly.hpp"
@@ -103,7 +104,44 @@ Equilibrium by_forces(const AssemblyStatics& statics, double friction) {
   return solve_equilibrium(statics.bodies, contacts, options);
 }
 
-void samples(const StructuresOptions& options, Results& results) {
+std::vector<TableValue> sample_row(const StructuresOptions& options, const Published& item) {
+  const double start = cpu_ms();
+  BlockAssembly assembly = read_published(options, item);
+  if (assembly.interfaces.empty()) assembly.interfaces = find_interfaces(assembly.blocks);
+  const AssemblyStatics statics = statics_of(assembly);
+  const double read = cpu_ms();
+  const Eigen::Vector3d down = down_at(item.tilt_deg);
+  const CoupledState state = CoupledSolver(statics.bodies, statics.contacts).solve(item.friction, down);
+  const double solved = cpu_ms();
+  TableValue margin, least, all, forces;
+  if (static_cast<int>(statics.bodies.size()) <= options.margin_blocks) {
+    const CoupledAnalysis found =
+        analyse_coupled(statics.bodies, statics.contacts, item.friction, kPushDirections, down);
+    all = cpu_ms() - solved;
+    margin = found.margin;
+    least = found.min_friction;
+    if (item.tilt_deg == 0.0) forces = by_forces(statics, item.friction).stands ? "stands" : "falls";
+  }
+  return {item.file,
+          *item.verdict ? TableValue(item.verdict) : TableValue(),
+          state.stands ? "stands" : "falls",
+          forces,
+          margin,
+          least,
+          statics.contacts.size(),
+          read - start,
+          solved - read,
+          all};
+}
+
+/// The rows of a table, one a draw; an empty one is left out.
+template <class Row>
+void add_rows(const std::string& name, std::size_t total, Results& results, Draws& draws, const Row& row) {
+  for (const auto& cells : draws.outcomes(name, static_cast<int>(total), row))
+    if (!cells.empty()) results.row(cells);
+}
+
+void samples(const StructuresOptions& options, Results& results, Draws& draws) {
   results.table("published assemblies", {{"assembly"},
                                          {"published"},
                                          {"coupled"},
@@ -114,28 +152,8 @@ void samples(const StructuresOptions& options, Results& results) {
                                          {"read_cpu_ms", 1},
                                          {"verdict_cpu_ms", 1},
                                          {"all_cpu_ms", 0}});
-  for (const Published& item : kPublished) {
-    const double start = cpu_ms();
-    BlockAssembly assembly = read_published(options, item);
-    if (assembly.interfaces.empty()) assembly.interfaces = find_interfaces(assembly.blocks);
-    const AssemblyStatics statics = statics_of(assembly);
-    const double read = cpu_ms();
-    const Eigen::Vector3d down = down_at(item.tilt_deg);
-    const CoupledState state = CoupledSolver(statics.bodies, statics.contacts).solve(item.friction, down);
-    const double solved = cpu_ms();
-    TableValue margin, least, all, forces;
-    if (static_cast<int>(statics.bodies.size()) <= options.margin_blocks) {
-      const CoupledAnalysis found =
-          analyse_coupled(statics.bodies, statics.contacts, item.friction, kPushDirections, down);
-      all = cpu_ms() - solved;
-      margin = found.margin;
-      least = found.min_friction;
-      if (item.tilt_deg == 0.0) forces = by_forces(statics, item.friction).stands ? "stands" : "falls";
-    }
-    results.row({item.file, *item.verdict ? TableValue(item.verdict) : TableValue(),
-                 state.stands ? "stands" : "falls", forces, margin, least, statics.contacts.size(),
-                 read - start, solved - read, all});
-  }
+  add_rows("assembly", std::size(kPublished), results, draws,
+           [&](int k) { return sample_row(options, kPublished[k]); });
 }
 
 /// Quarter bond of bricks 0.25 x 0.12 x 0.065 m, ten a row, on a fixed plinth.
@@ -156,7 +174,21 @@ BlockAssembly brick_wall(int bricks) {
   return wall;
 }
 
-void growth(const StructuresOptions& options, Results& results) {
+std::vector<TableValue> growth_row(const StructuresOptions& options, int bricks) {
+  const double start = cpu_ms();
+  const AssemblyStatics statics = statics_of(brick_wall(bricks));
+  const double found = cpu_ms();
+  const CoupledState state = CoupledSolver(statics.bodies, statics.contacts).solve(0.6, down_at(0.0));
+  const double solved = cpu_ms();
+  TableValue margin, all;
+  if (bricks <= options.margin_blocks) {
+    margin = analyse_coupled(statics.bodies, statics.contacts, 0.6, kPushDirections).margin;
+    all = cpu_ms() - solved;
+  }
+  return {bricks, statics.contacts.size(), state.stands, found - start, solved - found, margin, all};
+}
+
+void growth(const StructuresOptions& options, Results& results, Draws& draws) {
   results.table("walls of bricks, friction 0.6", {{"bricks"},
                                                   {"contacts"},
                                                   {"stands"},
@@ -164,20 +196,10 @@ void growth(const StructuresOptions& options, Results& results) {
                                                   {"verdict_cpu_ms", 1},
                                                   {"margin_g", 3},
                                                   {"all_cpu_ms", 0}});
-  for (const int bricks : {10, 20, 50, 100, 200, 500}) {
-    if (bricks > options.largest) continue;
-    const double start = cpu_ms();
-    const AssemblyStatics statics = statics_of(brick_wall(bricks));
-    const double found = cpu_ms();
-    const CoupledState state = CoupledSolver(statics.bodies, statics.contacts).solve(0.6, down_at(0.0));
-    const double solved = cpu_ms();
-    TableValue margin, all;
-    if (bricks <= options.margin_blocks) {
-      margin = analyse_coupled(statics.bodies, statics.contacts, 0.6, kPushDirections).margin;
-      all = cpu_ms() - solved;
-    }
-    results.row({bricks, statics.contacts.size(), state.stands, found - start, solved - found, margin, all});
-  }
+  std::vector<int> bricks{10, 20, 50, 100, 200, 500};
+  std::erase_if(bricks, [&](int count) { return count > options.largest; });
+  add_rows("wall", bricks.size(), results, draws,
+           [&](int k) { return growth_row(options, bricks[static_cast<std::size_t>(k)]); });
 }
 
 /// Blocks that stay in Bullet for `seconds` under a tilted gravity.
@@ -234,34 +256,43 @@ double tilt_borne(double step, const Stands& stands) {
   return 0.5 * (low + high);
 }
 
-void tilt(const StructuresOptions& options, Results& results) {
+/// Empty for an assembly that does not stand as it is.
+std::vector<TableValue> tilt_row(const StructuresOptions& options, const Published& item) {
+  BlockAssembly assembly = read_published(options, item);
+  if (assembly.interfaces.empty()) assembly.interfaces = find_interfaces(assembly.blocks);
+  const AssemblyStatics statics = statics_of(assembly);
+  CoupledSolver solver(statics.bodies, statics.contacts);
+  const double coupled =
+      tilt_borne(0.1, [&](double d) { return solver.solve(item.friction, down_at(d)).stands; });
+  if (coupled < 0.0) return {};
+  const Simulated world(assembly);
+  const double simulated = tilt_borne(0.2, [&](double d) { return world.stands(item.friction, d, 1.5); });
+  return {item.file, item.friction, coupled, simulated, simulated - coupled};
+}
+
+void tilt(const StructuresOptions& options, Results& results, Draws& draws) {
   results.table(
       "tilt about y at which assemblies collapse",
       {{"assembly"}, {"friction", 2}, {"coupled_deg", 1}, {"simulated_deg", 1}, {"difference_deg", 1}});
+  std::vector<const Published*> items;
   for (const Published& item : kPublished) {
     const std::string file = item.file;
-    if (file.find("armadillo") != std::string::npos || file.find("curve") != std::string::npos) continue;
-    BlockAssembly assembly = read_published(options, item);
-    if (assembly.interfaces.empty()) assembly.interfaces = find_interfaces(assembly.blocks);
-    const AssemblyStatics statics = statics_of(assembly);
-    CoupledSolver solver(statics.bodies, statics.contacts);
-    const double coupled =
-        tilt_borne(0.1, [&](double d) { return solver.solve(item.friction, down_at(d)).stands; });
-    if (coupled < 0.0) continue;
-    const Simulated world(assembly);
-    const double simulated = tilt_borne(0.2, [&](double d) { return world.stands(item.friction, d, 1.5); });
-    results.row({file, item.friction, coupled, simulated, simulated - coupled});
+    if (file.find("armadillo") == std::string::npos && file.find("curve") == std::string::npos)
+      items.push_back(&item);
   }
+  add_rows("tilt", items.size(), results, draws,
+           [&](int k) { return tilt_row(options, *items[static_cast<std::size_t>(k)]); });
 }
 
-void measure_structures(const StructuresOptions& options, Results& results) {
+void measure_structures(const StructuresOptions& options, Results& results, Draws& draws) {
   results.settings({{"directions", kPushDirections}, {"margin_blocks", options.margin_blocks}});
-  if (options.growth) growth(options, results);
+  if (options.growth) growth(options, results, draws);
   const bool there = std::filesystem::exists(options.folder);
   if (!there && !options.growth)
     throw FileError(options.folder, "is not there", "name the folder of the assemblies with --folder");
-  if (there && options.tilt) tilt(options, results);
-  if (there && !options.tilt && !options.growth) samples(options, results);
+  if (there && options.tilt) tilt(options, results, draws);
+  if (there && !options.tilt && !options.growth) samples(options, results, draws);
+  throw_if_interrupted();
 }
 
 }  // namespace
@@ -281,7 +312,8 @@ void add_structures(CLI::App& app) {
       "  stonestack-bench structures\n"
       "  stonestack-bench structures --growth\n"
       "  stonestack-bench structures --tilt");
-  measure_by(*sub, [options](Results& results) { measure_structures(*options, results); });
+  measure_draws_by(
+      *sub, [options](Results& results, Draws& draws) { measure_structures(*options, results, draws); });
 }
 
 }  // namespace stonestack::bench

@@ -52,7 +52,8 @@ std::vector<NamedTask> read_tasks(const std::string& folder) {
 
 /// A structure and what became of it.
 struct TaskOutcome {
-  WallPlan plan;
+  WallMetrics metrics;
+  std::string reason;       ///< what stood in the way of more
   double covered = 0.0;     ///< least share of a span, by lines every millimetre
   double in_the_way = 0.0;  ///< [m] that stones reach into what is kept clear
   bool carried = true;      ///< a stone lies where the task wants one
@@ -61,12 +62,14 @@ struct TaskOutcome {
   double cpu = 0.0;
 
   [[nodiscard]] bool done() const {
-    return plan.reason.empty() && covered >= 1.0 && in_the_way < kInTheWay && carried;
+    return reason.empty() && covered >= 1.0 && in_the_way < kInTheWay && carried;
   }
   [[nodiscard]] bool good(bool ode) const {
     return done() && in_bullet && (in_ode || !ode) && margin >= kMarginAsked;
   }
 };
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(TaskOutcome, metrics, reason, covered, in_the_way, carried, margin,
+                                   in_bullet, in_ode, cpu)
 
 /// Can stones stand on that side of a span?
 bool has_side(const SpanTask& task, const Span& span, bool left) {
@@ -107,20 +110,20 @@ TaskOutcome plan_and_judge(const TaskBenchOptions& options, const StonePool& poo
   const SearchProblem problem = draw_problem(pool, options.seed, draw, options.stones);
   const double start = processor_seconds();
   TaskOutcome outcome;
-  outcome.plan = plan_wall(problem, target, options.search);
+  const WallPlan plan = plan_wall(problem, target, options.search);
   outcome.cpu = processor_seconds() - start;
+  outcome.metrics = plan.metrics;
+  outcome.reason = plan.reason;
   ShapeList shapes = pool.fine;
   Stack all;
   const TaskSupports supports = make_supports(*target.task);
   for (std::size_t k = 0; k < supports.shapes.size(); ++k) {
-    all.stones.push_back(
-        {StoneIndex(static_cast<int>(shapes.size())), outcome.plan.T_W_V * supports.T_V_O[k]});
+    all.stones.push_back({StoneIndex(static_cast<int>(shapes.size())), plan.T_W_V * supports.T_V_O[k]});
     shapes.push_back(supports.shapes[k]);
   }
-  for (const WallPlacement& p : outcome.plan.placements)
-    all.stones.push_back({p.placement.stone, p.placement.T_W_O});
-  if (outcome.plan.placements.empty()) return outcome;
-  const Pose T_V_W = outcome.plan.T_W_V.inverse();
+  for (const WallPlacement& p : plan.placements) all.stones.push_back({p.placement.stone, p.placement.T_W_O});
+  if (plan.placements.empty()) return outcome;
+  const Pose T_V_W = plan.T_W_V.inverse();
   check_spans(shapes, all, T_V_W, *target.task, outcome);
   if (target.task->carry) outcome.carried = is_carried(shapes, all, T_V_W, *target.task);
   EquilibriumOptions statics;
@@ -140,7 +143,17 @@ TaskOutcome plan_and_judge(const TaskBenchOptions& options, const StonePool& poo
   return outcome;
 }
 
-void measure_tasks(const TaskBenchOptions& options, Results& results) {
+void report_task(const std::string& name, int draw, const TaskOutcome& outcome) {
+  std::fprintf(stderr,
+               "%s, draw %d: %d stones, %.0f of %.0f mm, covered %.2f, %.1f mm in the way, margin %.3f "
+               "g, Bullet %d, ODE %d%s%s\n",
+               name.c_str(), draw, outcome.metrics.placed, 1e3 * outcome.metrics.spanned,
+               1e3 * outcome.metrics.to_span, outcome.covered, 1e3 * outcome.in_the_way, outcome.margin,
+               outcome.in_bullet ? 1 : 0, outcome.in_ode ? 1 : 0, outcome.reason.empty() ? "" : "; ",
+               outcome.reason.c_str());
+}
+
+void measure_tasks(const TaskBenchOptions& options, Results& results, Draws& draws) {
   results.settings({{"draws", options.draws},
                     {"stones", options.stones},
                     {"friction", options.search.friction},
@@ -153,38 +166,37 @@ void measure_tasks(const TaskBenchOptions& options, Results& results) {
                               {"done"},           {"stand"},    {"good"},
                               {"mean_stones", 1}, {"margin_g"}, {"cpu_s_a_stone", 1}};
   if (ode) columns.push_back({"stand_in_ode"});
-  for (const StonePool& pool : read_pools(options.pools)) {
+  for (const StonePool& pool : read_pools(options.pools, draws)) {
     results.table("tasks", columns);
     int solved = 0;
     for (const NamedTask& task : tasks) {
       int done = 0, stand = 0, in_ode = 0, good = 0, stones = 0;
       double margin = 0.0, cpu = 0.0;
-      for (int k = 0; k < options.draws; ++k) {
-        const TaskOutcome outcome = plan_and_judge(options, pool, task.target, k);
-        throw_if_interrupted();
+      const auto outcomes = draws.outcomes(concat(pool.name, ' ', task.name), options.draws, [&](int k) {
+        TaskOutcome outcome = plan_and_judge(options, pool, task.target, k);
+        if (!interrupt_noted()) report_task(task.name, k, outcome);
+        return outcome;
+      });
+      throw_if_interrupted();
+      if (outcomes.empty()) continue;
+      const auto count = static_cast<int>(outcomes.size());
+      for (const TaskOutcome& outcome : outcomes) {
         done += outcome.done() ? 1 : 0;
         stand += outcome.done() && outcome.in_bullet ? 1 : 0;
         in_ode += outcome.done() && outcome.in_ode ? 1 : 0;
         good += outcome.good(ode) ? 1 : 0;
-        stones += outcome.plan.metrics.placed;
-        margin += outcome.margin / options.draws;
+        stones += outcome.metrics.placed;
+        margin += outcome.margin / count;
         cpu += outcome.cpu;
-        std::fprintf(stderr,
-                     "%s, draw %d: %d stones, %.0f of %.0f mm, covered %.2f, %.1f mm in the way, margin %.3f "
-                     "g, Bullet %d, ODE %d%s%s\n",
-                     task.name.c_str(), k, outcome.plan.metrics.placed, 1e3 * outcome.plan.metrics.spanned,
-                     1e3 * outcome.plan.metrics.to_span, outcome.covered, 1e3 * outcome.in_the_way,
-                     outcome.margin, outcome.in_bullet ? 1 : 0, outcome.in_ode ? 1 : 0,
-                     outcome.plan.reason.empty() ? "" : "; ", outcome.plan.reason.c_str());
       }
-      solved += 2 * good > options.draws ? 1 : 0;
+      solved += 2 * good > count ? 1 : 0;
       std::vector<TableValue> cells{pool.name,
                                     task.name,
-                                    options.draws,
+                                    count,
                                     done,
                                     stand,
                                     good,
-                                    static_cast<double>(stones) / options.draws,
+                                    static_cast<double>(stones) / count,
                                     margin,
                                     cpu / std::max(1, stones)};
       if (ode) cells.emplace_back(in_ode);
@@ -214,9 +226,9 @@ void add_tasks(CLI::App& app) {
       "Good: all spans covered, nothing stands in them, all stones and blocks stay where they are, and the "
       "whole "
       "bears\n0.02 g in 16 directions.");
-  measure_by(*sub, [options](Results& results) {
+  measure_draws_by(*sub, [options](Results& results, Draws& draws) {
     options->settings.apply(nest("search", fields(options->search)));
-    measure_tasks(*options, results);
+    measure_tasks(*options, results, draws);
   });
 }
 

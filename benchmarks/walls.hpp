@@ -3,6 +3,12 @@
 #include "ode_witness.hpp"
 #include "settings.hpp"
 #include "stone_draws.hpp"
+#include "stonestack/search/plan_wall.hpp"
+
+namespace stonestack::search {
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(WallMetrics, placed, asked, length, height, width, fill, face, joints,
+                                   open_joints, flatness, margin, spanned, to_span)
+}  // namespace stonestack::search
 
 namespace stonestack::bench {
 

@@ -75,15 +75,16 @@ class Balance {
     double acceleration = 0.0;  ///< in g
     int weakest = -1;           ///< into the contacts
   };
-  /// Largest acceleration along a unit direction, from the programme solved at rest.
-  Push push(const Eigen::Vector2d& direction, double friction) {
+  /// Largest acceleration along a unit direction, or `most` if it is not smaller, from the programme solved
+  /// at rest.
+  Push push(const Eigen::Vector2d& direction, double friction, double most) {
     const int column = generators();
     std::vector<LinearProgramme::Entry> entries;
     for (int b = 0; b < static_cast<int>(bodies_.size()); ++b)
       for (int i = 0; i < 2; ++i) entries.push_back({6 * b + i, share(b) * direction[i]});
     programme_->set_basis(at_rest_);
     programme_->set_column(column, entries);
-    programme_->set_upper(column, kMaxMargin);
+    programme_->set_upper(column, most);
     programme_->set_gain(column, 1.0);
     const bool solved = programme_->solve(options_.tolerance);
     return {solved ? std::max(programme_->value(column), 0.0) : 0.0, weakest(friction)};
@@ -191,7 +192,7 @@ Equilibrium solve_equilibrium(std::span<const StaticBody> bodies, std::span<cons
     for (int k = 0; k < options.directions; ++k) {
       const double angle = 2 * M_PI * k / options.directions;
       const Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
-      const auto push = balance.push(direction, options.friction);
+      const auto push = balance.push(direction, options.friction, result.margin);
       if (push.acceleration >= result.margin) continue;
       result.margin = push.acceleration;
       result.direction = direction;

@@ -69,12 +69,16 @@ WallBegun standing_wall(const WallPlanned& planned, const std::vector<PlacedSton
 std::optional<WallBegun> begun_of(const Situation& s, const RunMemory& memory) {
   if (!memory.wall) return std::nullopt;
   WallBegun begun = standing_wall(*memory.wall, s.arrangement.stack);
-  for (const PlacedStone& next : rest_of_plan(s, memory.plan)) {
+  const std::vector<PlacedStone> rest = rest_of_plan(s, memory.plan);
+  if (rest.empty()) return begun;
+  const std::vector<std::vector<Alternative>> compared = compared_with_rest(s, *memory.plan);
+  for (std::size_t k = 0; k < rest.size(); ++k) {
     WallPlacement planned;
-    planned.placement.stone = next.stone;
-    planned.placement.T_W_O = next.T_W_O;
-    planned.course = course_of(*memory.wall, next.stone);
-    begun.rest.push_back(planned);
+    planned.placement.stone = rest[k].stone;
+    planned.placement.T_W_O = rest[k].T_W_O;
+    planned.course = course_of(*memory.wall, rest[k].stone);
+    if (k < compared.size()) planned.alternatives = compared[k];
+    begun.rest.push_back(std::move(planned));
   }
   return begun;
 }
@@ -134,9 +138,7 @@ std::optional<SearchOutcome> rest_that_holds(const Situation& s, const RunMemory
     return std::nullopt;
   }
   s.emit(PlanHolds{options.friction});
-  SearchOutcome outcome = outcome_of(plan, memory, level, route);
-  add_compared(s, *memory.plan, outcome.found);
-  return outcome;
+  return outcome_of(plan, memory, level, route);
 }
 
 }  // namespace

@@ -130,7 +130,7 @@ struct FrictionSearch {
           expected_over_frictions(problem, found.best.front(), level) < s.options.sure_success * levels)
         break;
       s.emit(PlanHolds{search.friction});
-      add_compared(s, *memory.plan, found);
+      add_compared(found);
       SearchOutcome outcome;
       outcome.found = std::move(found);
       outcome.friction_level = level;
@@ -138,6 +138,16 @@ struct FrictionSearch {
       return outcome;
     }
     return std::nullopt;
+  }
+
+  /// Alternatives to the stones of the followed plan, from the search that made it.
+  void add_compared(SearchResult& found) const {
+    std::vector<std::vector<Alternative>> compared = compared_with_rest(s, *memory.plan);
+    Placement& next = found.best.front();
+    if (compared.size() != next.then.size() + 1) return;
+    found.others = std::move(compared.front());
+    next.then_compared.assign(std::make_move_iterator(compared.begin() + 1),
+                              std::make_move_iterator(compared.end()));
   }
 
   /// Faults of the grasps of each stone that the search could have used: "; NAME: of 212 grasps ...".
@@ -373,8 +383,7 @@ std::vector<PlacedStone> rest_of_plan(const Situation& s, const std::optional<Fo
   return rest;
 }
 
-void add_compared(const Situation& s, const FollowedPlan& plan, SearchResult& found) {
-  if (found.best.empty()) return;
+std::vector<std::vector<Alternative>> compared_with_rest(const Situation& s, const FollowedPlan& plan) {
   const Placement& last = plan.placement;
   const auto& stack = s.arrangement.stack;
   std::vector<std::vector<Alternative>> compared = last.then_compared;
@@ -385,11 +394,7 @@ void add_compared(const Situation& s, const FollowedPlan& plan, SearchResult& fo
     for (auto& list : compared)
       for (Alternative& other : list) other.T_W_O = moved * other.T_W_O;
   }
-  Placement& next = found.best.front();
-  if (compared.size() != next.then.size() + 1) return;
-  found.others = std::move(compared.front());
-  next.then_compared.assign(std::make_move_iterator(compared.begin() + 1),
-                            std::make_move_iterator(compared.end()));
+  return compared;
 }
 
 Situation make_situation(const WorldEstimate& world, const Models& models, const BuildOptions& options,

@@ -43,9 +43,9 @@ struct Situation {
 [[nodiscard]] std::vector<PlacedStone> rest_of_plan(const Situation& situation,
                                                     const std::optional<FollowedPlan>& plan);
 
-/// Adds to a plan that was found to hold what the search compared with its stones when it made the plan,
-/// moved as `rest_of_plan` moves the stones.
-void add_compared(const Situation& situation, const FollowedPlan& plan, SearchResult& found);
+/// Alternatives to each stone of `rest_of_plan`, from the search that made the plan, moved as the stones.
+[[nodiscard]] std::vector<std::vector<Alternative>> compared_with_rest(const Situation& situation,
+                                                                       const FollowedPlan& plan);
 
 /// Place or Reorient: what `memory.search` found, or a search now, by stages: the placements whose plans
 /// reach highest in one go, then with a stone set down on the route, then the others likewise. Nothing if no

@@ -80,7 +80,7 @@ ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const 
         if (touched) result.reason = "early contact: the stone is held otherwise than planned";
         break;
       case PlanStep::Kind::kLift:
-        now = executor.follow(step);
+        now = executor.lift(step);
         if (now.status == Status::kReleased) now = executor.check_hold(step);
         result.weight = now.weight;
         lift = &step;

@@ -27,7 +27,8 @@ constexpr double kNearTable = 0.010;   // m, of the tool's tip
 constexpr double kBackOff = 0.004;     // m
 constexpr double kTableReach = 0.006;  // m above the end of an approach: what is met lower is the table
 constexpr std::array kSharesBack{1.0, 0.75, 0.5, 0.25};  // of the way back that was asked for
-constexpr double kOffTable = 0.001;  // m, between finger tips that have felt the table and where they close
+constexpr double kAsPlanned = 0.005;  // rad, half of what the arm allows at the start of a motion
+constexpr double kOffTable = 0.001;   // m, between finger tips that have felt the table and where they close
 
 using Status = ExecutionResult::Status;
 
@@ -51,6 +52,16 @@ ExecutionResult PlanExecutor::follow(const PlanStep& step) const {
   const MotionResult moved = cell.arm.follow(step.trajectory);
   if (moved.status == MotionResult::Status::kDone) return {};
   return {Status::kStopped, moved.force, step.name + ": " + moved.reason};
+}
+
+ExecutionResult PlanExecutor::lift(const PlanStep& step) const {
+  const JointPath& route = step.trajectory.q;
+  const Joints q = cell.arm.state().q;
+  if (route.empty() || (q - route.front()).cwiseAbs().maxCoeff() < kAsPlanned) return follow(step);
+  const auto path =
+      straight_path(scene.robot, scene.T_F_T, q, forward(scene.robot, route.back()) * scene.T_F_T);
+  if (!path) return {Status::kStopped, 0.0, step.name + ": no straight path from where the arm stands"};
+  return follow_slowly(step, *path);
 }
 
 ExecutionResult PlanExecutor::grasp(const PlanStep& step) const {

@@ -25,6 +25,9 @@ struct PlanExecutor {
   [[nodiscard]] GripperMass load(bool holding) const;
   void set_payload(bool holding) const;
   [[nodiscard]] ExecutionResult follow(const PlanStep& step) const;
+  /// Lifts to where the plan does, straight from where the arm stands: fingers that felt the table went back
+  /// from where the plan grasps.
+  [[nodiscard]] ExecutionResult lift(const PlanStep& step) const;
   [[nodiscard]] ExecutionResult grasp(const PlanStep& step) const;
   /// Opens and retreats, so that the next view starts free.
   [[nodiscard]] ExecutionResult give_up(const PlanStep& step, const std::string& why) const;

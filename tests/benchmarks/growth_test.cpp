@@ -1,6 +1,9 @@
 #include "benchmarks/growth.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <cmath>
 
 namespace stonestack::bench {
 namespace {
@@ -25,6 +28,22 @@ TEST(Growth, TheWarmUpIsAQuarterAndFiveAtLeast) {
   EXPECT_EQ(after_warm_up(std::vector<double>(100, 1.0)).size(), 75U);
   EXPECT_EQ(after_warm_up({1, 2, 3, 4, 5, 6, 7}), (std::vector<double>{6, 7}));
   EXPECT_TRUE(after_warm_up({1, 2, 3}).empty());
+}
+
+TEST(Growth, TheExponentIsThatOfAPowerLaw) {
+  std::vector<CostPoint> points;
+  for (const double size : {20.0, 50.0, 100.0, 200.0}) points.push_back({size, 3.0 * std::pow(size, 1.5)});
+  EXPECT_NEAR(growth_exponent(points), 1.5, 1e-12);
+  EXPECT_FALSE(std::isfinite(growth_exponent({{20.0, 1.0}})));
+}
+
+TEST(Growth, ThePlotHasEachPointInItsPlace) {
+  const std::string plot = growth_plot({{50.0, 1.0}, {100.0, 4.0}}, "stones", "seconds");
+  EXPECT_THAT(plot, testing::HasSubstr(">stones</text>"));
+  EXPECT_THAT(plot, testing::HasSubstr(">seconds; dashed: linear</text>"));
+  // The right half of 400 units from x = 60; 250 units up from y = 270 are 1.1 times the highest cost.
+  EXPECT_THAT(plot, testing::HasSubstr("<circle cx=\"260\" cy=\"213.182\""));
+  EXPECT_THAT(plot, testing::HasSubstr("<circle cx=\"460\" cy=\"42.7273\""));
 }
 
 }  // namespace

@@ -72,6 +72,36 @@ TEST(Execute, ApproachesAGraspNearTheTableByForce) {
   EXPECT_THAT(bench.arm.commands, testing::ElementsAre("lower"));
 }
 
+/// Fingers that felt the table close above where the plan grasps, and the arm refuses a motion that begins
+/// elsewhere than it stands.
+TEST(Execute, LiftsFromWhereTheFingersClosed) {
+  Bench bench;
+  const Joints q = bench.arm.q;
+  const Pose T_R_F = forward(bench.scene.robot, q);
+  const auto at = [&](double height) {
+    return inverse(bench.scene.robot, Eigen::Translation3d(0, 0, height) * T_R_F, q).front().q;
+  };
+  PlanStep lift;
+  lift.kind = Kind::kLift;
+  lift.trajectory.time = {0.0, 1.0};
+  lift.trajectory.q = {at(-0.02), at(0.05)};
+  lift.trajectory.qd = {Joints::Zero(), Joints::Zero()};
+  bench.plan.steps = {lift};
+  std::vector<JointTrajectory> motions;
+  bench.arm.after_motion = [&] { motions.push_back(bench.arm.followed); };
+  (void)bench.run({});
+  ASSERT_FALSE(motions.empty());
+  EXPECT_LT((motions.front().q.front() - q).cwiseAbs().maxCoeff(), 1e-9);
+  EXPECT_LT((motions.front().q.back() - at(0.05)).cwiseAbs().maxCoeff(), 1e-4)
+      << "where the next step begins";
+
+  bench.plan.steps[0].trajectory.q.front() = q;  // as planned
+  motions.clear();
+  (void)bench.run({});
+  ASSERT_FALSE(motions.empty());
+  EXPECT_EQ(motions.front().q, bench.plan.steps[0].trajectory.q);
+}
+
 TEST(Execute, AFingerThatMeetsAStoneGoesBackAndPicksNothing) {
   Bench bench;
   PlanStep approach, grasp;

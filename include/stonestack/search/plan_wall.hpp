@@ -73,8 +73,8 @@ struct WallPlacement {
   /// Stones that it rests on, counted in the order in which they are built, those that stand already first;
   /// empty: the table, or a support of the target.
   std::vector<int> supports;
-  /// Other stones and poses for the same place, best first, at most five; empty for a stone of an earlier
-  /// plan.
+  /// Other stones and poses for the same place, best first, at most five. For a stone of an earlier plan:
+  /// those that the plan names.
   std::vector<Alternative> alternatives = {};
 };
 

@@ -195,4 +195,11 @@ std::optional<Settled> Placing::as_planned(const WallState& state, const WallPla
   return next;
 }
 
+std::vector<Alternative> Placing::compared_with(const WallPlacement& planned) const {
+  std::vector<Alternative> alternatives = planned.alternatives;
+  const Pose T_V_W = T_W_V_->inverse();
+  for (Alternative& other : alternatives) other.T_W_O = T_V_W * other.T_W_O;
+  return alternatives;
+}
+
 }  // namespace stonestack::search

@@ -36,6 +36,8 @@ class Placing {
   /// @param ask whether the arm is asked
   [[nodiscard]] std::optional<Settled> as_planned(const WallState& state, const WallPlacement& planned,
                                                   bool ask);
+  /// Alternatives to a stone of an earlier plan, in the structure's frame.
+  [[nodiscard]] std::vector<Alternative> compared_with(const WallPlacement& planned) const;
 
   /// Of the last proposals, those that the arm does not bring about, then those that did not come to rest in
   /// balance; at most five.

@@ -103,7 +103,7 @@ class WallSearch {
         next->trial.placement.terms.merge(terms_in_slot(
             *slot, next->placed,
             worth_in_slot(*slot, next->placed, next->trial.margin, context_.options->friction)));
-      state = with(state, *next);
+      state = with(state, *next, placing_.compared_with(planned));
       keep(state);
     }
     return !rest_.empty() && !slot_after(state);

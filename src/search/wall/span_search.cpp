@@ -414,7 +414,7 @@ void SpanSearch::run(const std::vector<WallPlacement>& rest, bool rest_only) {
       const auto next =
           placing_.as_planned(node.state, planned, node.state.stones.size() == start_.stones.size());
       if (!next) break;
-      node.state = with(node.state, *next);
+      node.state = with(node.state, *next, placing_.compared_with(planned));
       node.value = value_of(node.state);
       done_ = is_done(context_, task_, node.state);
       best_ = node;
