@@ -4,10 +4,12 @@
 #include "commands.hpp"
 #include "common_options.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/emulators/simulated_servers.hpp"
 #include "stonestack/hardware/cell_file.hpp"
 #include "stonestack/kinematics/hand_eye.hpp"
+#include "stonestack/stacking/check_cell.hpp"
 
 namespace stonestack::apps {
 namespace {
@@ -20,6 +22,9 @@ struct CalibrateCommand {
   bool force = false;
   HandEyeCalibrationOptions calibration;
   std::string out, cell, example, write_pairs;
+  std::string table;  ///< cell whose table is touched
+  bool execute = false;
+  SimulationOptions simulation;
 };
 
 /// The mount of a simulated cell's camera, of the cell to be written if there is one; beside the arm any.
@@ -60,7 +65,53 @@ void write_result(const CalibrateCommand& command, const HandEyeCalibration& don
                     "; see what the camera makes of it: stonestack doctor --cell ", command.cell));
 }
 
+/// Touches the table of a cell whose devices are connected.
+TouchedTable touch_table_of(const CellConfig& cell) {
+  const RobotModel robot = read_cell_robot(cell);
+  HardwareCell hardware(cell);
+  hardware.activate_gripper();
+  Cell devices = hardware.cell();
+  return touch_table(devices, robot);
+}
+
+/// A real arm moves only with --execute.
+TouchedTable touch_table_of(const CalibrateCommand& command) {
+  CellFile file = read_cell(command.table);
+  if (!file.simulate) {
+    require_arm_address(file.cell());
+    require(command.execute, "--table ", command.table, " moves the robot at ", file.arm_address(),
+            ": clear the field of stones and the cell of people, empty the gripper, and add --execute");
+    return touch_table_of(file.cell());
+  }
+  const Catalogue catalogue = command.common.read();
+  const RobotModel robot = read_robot(file.robot());
+  SimulatedCell world(catalogue.stones, {}, robot, true_layout(to_layout(file.cell()), file.servers()),
+                      command.simulation);
+  const SimulatedServers servers(world, robot, file.servers());
+  connect_to(servers, file.cell());
+  log_info("the devices of " + file.path + " are simulated here");
+  return touch_table_of(file.cell());
+}
+
+void calibrate_table(CalibrateCommand& command) {
+  command.common.settings.apply(nest("simulation", fields(command.simulation)));
+  command.simulation.seed = command.common.seed;
+  if (!command.cell.empty()) require_writable(command.cell);
+  const TouchedTable table = touch_table_of(command);
+  command.common.text() << to_text(table);
+  if (command.common.json) std::cout << touched_table_json(table);
+  if (!table.problems.empty() && !command.force)
+    throw Error(concat(command.table, ": camera and touch disagree, see above",
+                       command.cell.empty() ? "" : "; nothing was written, --force writes it"),
+                ExitCode::kExecutionFailed);
+  if (command.cell.empty()) return;
+  log_info(concat(command.cell, ": wrote ", write_base(command.cell, table.T_W_R),
+                  ", with which the touched table is z = 0"));
+}
+
 void calibrate(CalibrateCommand& command) {
+  require(command.table.empty() || command.pairs_file.empty(), "give either a file of pairs or --table CELL");
+  if (!command.table.empty()) return calibrate_table(command);
   command.common.settings.apply({});
   std::optional<Pose> true_T_A_C;
   if (command.simulate > 0) true_T_A_C = simulated_mount(command);
@@ -79,11 +130,19 @@ void calibrate(CalibrateCommand& command) {
 
 void add_calibrate(CLI::App& app) {
   const auto [sub, command] = add_subcommand<CalibrateCommand>(
-      app, "calibrate", "Where the camera sits on the arm, from arm and target poses", calibrate);
+      app, "calibrate", "Where the camera sits on the arm, and whether the table is where it sees it",
+      calibrate);
   sub.add_option("PAIRS", command.pairs_file, "YAML of stations: T_R_F from the arm, T_C_B of the target");
-  sub.add_option("--simulate", command.simulate, "Simulate that many stations in place of a file")
-      ->check(CLI::Range(3, 1000));
+  CLI::Option* simulate =
+      sub.add_option("--simulate", command.simulate, "Simulate that many stations in place of a file")
+          ->check(CLI::Range(3, 1000));
   sub.add_flag("--on-base", command.on_base, "Simulate a camera beside the arm");
+  CLI::Option* table =
+      add_path(sub, "--table", command.table,
+               "Touch the table of this cell at three points, and compare it with what the camera sees",
+               "CELL")
+          ->excludes(simulate);
+  sub.add_flag("--execute", command.execute, "Yes, move the real robot that --table names")->needs(table);
   sub.add_option("--method", command.calibration.method, "Method whose result is written")
       ->check(CLI::IsMember({"joint", "tsai_lenz", "park_martin", "daniilidis"}))
       ->capture_default_str();
@@ -91,7 +150,7 @@ void add_calibrate(CLI::App& app) {
   add_path(sub, "--out", command.out, "Write the result as an easy_handeye file");
   add_path(sub, "--write", command.cell,
            "Write the result into this cell file and leave the rest as it is: layout.T_T_C, or "
-           "layout.hand_eye: the file of --out",
+           "layout.hand_eye: the file of --out; with --table layout.T_W_R",
            "CELL");
   sub.add_flag("--force", command.force, "Write the result even if it is probably wrong");
   add_path(sub, "--like", command.example, "Take frame names and the other parameters from this file");
@@ -103,6 +162,11 @@ void add_calibrate(CLI::App& app) {
       "  stonestack calibrate pairs.yaml --out ur10_sr300.yaml\n"
       "  stonestack calibrate pairs.yaml --write my_lab.yaml && stonestack doctor --cell my_lab.yaml\n"
       "  stonestack calibrate pairs.yaml --check ~/.ros/easy_handeye/ur10_sr300.yaml\n"
+      "  stonestack calibrate --table my_lab.yaml --execute --write my_lab.yaml\n"
+      "--table: the field is clear and the gripper empty. The gripper opens, the camera views the field, "
+      "and\n"
+      "the open fingers go down at 10 mm/s until the wrist feels the table. Exit code 6 and nothing written\n"
+      "where touch and camera disagree by more than 5 mm or 0.75 deg.\n"
       "PAIRS: {schema: stonestack.hand_eye/1, camera: on_hand, pairs: [{T_R_F: {x, y, z, qx, qy, qz, qw}, "
       "T_C_B: ...}]}");
 }

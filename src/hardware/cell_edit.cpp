@@ -76,6 +76,10 @@ bool is_of_mount(const std::string& name) {
   return name == "layout.hand_eye" || name == "layout.T_T_C" || name.rfind("layout.T_T_C.", 0) == 0;
 }
 
+bool is_of_base(const std::string& name) {
+  return name.rfind("layout.T_W_R.", 0) == 0;
+}
+
 /// The text of a cell file, and where its entries stand in it.
 class CellText {
  public:
@@ -91,7 +95,8 @@ class CellText {
   [[nodiscard]] Scalars scalars() const { return scalars_of(root_); }
 
   /// Each as "name: value" below `layout`; nothing when the text is not of a kind that can be edited.
-  [[nodiscard]] std::optional<std::string> with_numbers(const Numbers& numbers) const;
+  [[nodiscard]] std::optional<std::string> with_numbers(const std::string& pose,
+                                                        const Numbers& numbers) const;
   [[nodiscard]] std::optional<std::string> with_entry_replaced(const Entry& old,
                                                                const std::string& line) const;
   [[nodiscard]] std::optional<std::string> with_entry_added(const std::string& line) const;
@@ -135,12 +140,12 @@ class CellText {
   std::vector<Entry> entries_;
 };
 
-std::optional<std::string> CellText::with_numbers(const Numbers& numbers) const {
+std::optional<std::string> CellText::with_numbers(const std::string& pose, const Numbers& numbers) const {
   std::vector<Piece> pieces;
   const Entry* last = nullptr;
   std::string missing_flow, missing_block;
   for (std::size_t k = 0; k < kKeys.size(); ++k)
-    if (const Entry* entry = find("layout.T_T_C." + kKeys[k])) {
+    if (const Entry* entry = find(pose + "." + kKeys[k])) {
       auto piece = place_of(entry->value);
       if (!piece) return {};
       piece->text = number_text(numbers[k]);
@@ -151,7 +156,7 @@ std::optional<std::string> CellText::with_numbers(const Numbers& numbers) const 
   const std::string& key = last->key.Scalar();  // "x", or "layout.T_T_C.x" where maps are written so
   const std::string prefix = key.substr(0, key.rfind('.') + 1);
   for (std::size_t k = 0; k < kKeys.size(); ++k) {
-    if (find("layout.T_T_C." + kKeys[k]) != nullptr) continue;
+    if (find(pose + "." + kKeys[k]) != nullptr) continue;
     const std::string line = concat(prefix, kKeys[k], ": ", number_text(numbers[k]));
     missing_flow += ", " + line;
     missing_block += "\n" + indent(last->key) + line;
@@ -188,26 +193,41 @@ std::optional<std::string> CellText::with_entry_added(const std::string& line) c
   return text_ + gap + (layout == nullptr ? "layout:\n  " : "layout.") + line + "\n";
 }
 
+/// The scalars of a text that may be none.
+std::optional<Scalars> read_scalars(const std::string& text, const std::string& path) {
+  try {
+    return scalars_of(yaml::parse(text, path));
+  } catch (const Error&) {
+    return {};
+  }
+}
+
+/// True if all seven numbers of the pose stand there.
+bool holds(const Scalars& scalars, const std::string& pose, const Numbers& numbers) {
+  for (std::size_t k = 0; k < kKeys.size(); ++k) {
+    const auto found = scalars.find(pose + "." + kKeys[k]);
+    if (found == scalars.end() || std::abs(std::atof(found->second.c_str()) - numbers[k]) > kRounding)
+      return false;
+  }
+  return true;
+}
+
+/// True if everything but what is `changed` reads as before.
+bool same_but(Scalars after, Scalars before, bool (*changed)(const std::string& name)) {
+  std::erase_if(before, [&](const auto& entry) { return changed(entry.first); });
+  std::erase_if(after, [&](const auto& entry) { return changed(entry.first); });
+  return before == after;
+}
+
 /// True if everything but the mount reads as before, and the mount as it should.
 bool reads_as_intended(const std::string& text, const std::string& path, const Scalars& before,
                        const std::string& file, const Numbers& numbers) {
-  Scalars after;
-  try {
-    after = scalars_of(yaml::parse(text, path));
-  } catch (const Error&) {
-    return false;
-  }
+  const auto read = read_scalars(text, path);
+  if (!read) return false;
+  Scalars after = *read;
   const bool by_file = after.count("layout.hand_eye") > 0 && !after["layout.hand_eye"].empty();
   if (by_file != !file.empty() || (by_file && after["layout.hand_eye"] != file)) return false;
-  for (std::size_t k = 0; k < kKeys.size() && !by_file; ++k) {
-    const auto found = after.find("layout.T_T_C." + kKeys[k]);
-    if (found == after.end() || std::abs(std::atof(found->second.c_str()) - numbers[k]) > kRounding)
-      return false;
-  }
-  Scalars was = before;
-  std::erase_if(was, [](const auto& entry) { return is_of_mount(entry.first); });
-  std::erase_if(after, [](const auto& entry) { return is_of_mount(entry.first); });
-  return was == after;
+  return (by_file || holds(after, "layout.T_T_C", numbers)) && same_but(after, before, is_of_mount);
 }
 
 /// As the cell names it: relative where the file lies beside the cell or below.
@@ -230,6 +250,19 @@ std::string quoted(const std::string& word) {
   return text + "'";
 }
 
+/// The file itself, not a link to it.
+std::string linked_file(const std::string& path) {
+  std::error_code missing;
+  const std::string target = std::filesystem::canonical(path, missing);
+  if (missing) throw FileError(path, missing.message(), "name a cell file that is there");
+  return target;
+}
+
+[[noreturn]] void refuse_to_edit(const std::string& path, const std::string& line) {
+  throw FileError(path, "is written in a manner that cannot be edited without changing more",
+                  "write below `layout`: " + line);
+}
+
 void replace_file(const std::string& path, const std::string& text) {
   const auto rights = std::filesystem::status(path).permissions();
   write_file(path, text);
@@ -244,9 +277,7 @@ std::string mount_text(const Pose& pose) {
 }
 
 std::string write_mount(const std::string& path, const Pose& T_F_C, const std::string& calibration) {
-  std::error_code missing;
-  const std::string target = std::filesystem::canonical(path, missing);  // not a link to it
-  if (missing) throw FileError(path, missing.message(), "name a cell file that is there");
+  const std::string target = linked_file(path);
   const CellText cell(read_file(target, kMaxFile), target);
   const Scalars before = cell.scalars();
   const auto has = [&](const std::string& name) {
@@ -269,12 +300,27 @@ std::string write_mount(const std::string& path, const Pose& T_F_C, const std::s
   const Numbers numbers = numbers_of(to_pose(config.T_F_T, "layout.T_F_T").inverse() * T_F_C);
   const std::string line = file.empty() ? "T_T_C: " + flow_text(numbers) : "hand_eye: " + quoted(file);
   const Entry* old = cell.find("layout.hand_eye");
-  const auto text = has_pose                 ? cell.with_numbers(numbers)
+  const auto text = has_pose                 ? cell.with_numbers("layout.T_T_C", numbers)
                     : has("layout.hand_eye") ? cell.with_entry_replaced(*old, line)
                                              : cell.with_entry_added(line);
-  if (!text || !reads_as_intended(*text, target, before, file, numbers))
-    throw FileError(path, "is written in a manner that cannot be edited without changing more",
-                    "write below `layout`: " + line);
+  if (!text || !reads_as_intended(*text, target, before, file, numbers)) refuse_to_edit(path, line);
+  replace_file(target, *text);
+  return "layout." + line;
+}
+
+std::string write_base(const std::string& path, const Pose& T_W_R) {
+  const std::string base = "layout.T_W_R";
+  const std::string target = linked_file(path);
+  const CellText cell(read_file(target, kMaxFile), target);
+  const Scalars before = cell.scalars();
+  const Numbers numbers = numbers_of(T_W_R);
+  const std::string line = "T_W_R: " + flow_text(numbers);
+  const bool has_pose =
+      std::any_of(before.begin(), before.end(), [](const auto& entry) { return is_of_base(entry.first); });
+  const auto text = has_pose ? cell.with_numbers(base, numbers) : cell.with_entry_added(line);
+  const auto after = text ? read_scalars(*text, target) : std::nullopt;
+  if (!after || !holds(*after, base, numbers) || !same_but(*after, before, is_of_base))
+    refuse_to_edit(path, line);
   replace_file(target, *text);
   return "layout." + line;
 }

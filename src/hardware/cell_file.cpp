@@ -8,6 +8,7 @@
 #include "hardware/cell_config.hpp"
 #include "hardware/constants.hpp"
 #include "kinematics/gripper_file.hpp"
+#include "protocol/primary_wire.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/kinematics/hand_eye.hpp"
@@ -365,6 +366,11 @@ bool HardwareCell::activates_gripper() {
 
 void HardwareCell::activate_gripper() {
   if (activates_gripper()) devices_->gripper->activate();
+}
+
+std::string HardwareCell::safety_checksum() const {
+  const auto checksum = devices_->arm.safety_checksum();
+  return checksum ? checksum_text(*checksum) : std::string();
 }
 
 }  // namespace stonestack::hardware

@@ -62,6 +62,8 @@ void ask_primary(const CellConfig& config, ControllerDescription& found) {
   options.ports = {config.arm.primary_port, config.arm.secondary_port};
   const PrimaryClient primary(config.arm.address, options);
   const auto kinematics = primary.wait_for_kinematics(Deadline::in(kStateTime));
+  if (const auto checksum = primary.wait_for_safety_checksum(Deadline::in(kStateTime)))
+    found.safety_checksum = checksum_text(*checksum);
   if (!kinematics) return;
   found.dh.emplace();
   for (std::size_t j = 0; j < 6; ++j)
@@ -116,13 +118,16 @@ bool is_nominal(const RobotModel& robot, const std::array<std::array<double, 4>,
 /// The text of a cell file. What the controller does not know is marked.
 std::string cell_text(const CellSetup& setup, const ControllerDescription& controller,
                       const std::string& robot) {
-  std::string text =
-      concat("# Cell of the arm at ", setup.arm, " (PolyScope ", controller.polyscope,
-             "), written by `stonestack setup`. Lines with \"check\" are\n"
-             "# not known to the controller: look at each, then `stonestack doctor --cell "
-             "FILE`. Nothing moves without "
-             "--execute.\nrobot: ",
-             robot, "\nhand: ", setup.gripper, "\narm:\n  address: ", setup.arm, "\ngripper:\n");
+  std::string text = concat("# Cell of the arm at ", setup.arm, " (PolyScope ", controller.polyscope,
+                            "), written by `stonestack setup`. Lines with \"check\" are\n"
+                            "# not known to the controller: look at each, then `stonestack doctor --cell "
+                            "FILE`. Nothing moves without "
+                            "--execute.\nrobot: ",
+                            robot, "\nhand: ", setup.gripper, "\narm:\n  address: ", setup.arm, "\n");
+  if (!controller.safety_checksum.empty())
+    text += concat("  safety_checksum: ", controller.safety_checksum,
+                   "  # of the safety configuration; nothing moves with another\n");
+  text += "gripper:\n";
   if (has_own_address(setup.gripper))
     text +=
         concat("  preset: tcp2018      # check: tcp2014 for older units, rtu for a serial line\n  address: ",
@@ -270,6 +275,10 @@ NewCell write_new_cell(const CellSetup& setup, const ControllerDescription& cont
   const CellConfig cell = write_if_read(setup.path, cell_text(setup, controller, robot),
                                         [](const std::string& trial) { return read_cell_file(trial); });
   note_payload(cell, controller, made);
+  if (controller.safety_checksum.empty())
+    made.notes.emplace_back(
+        "the controller says no checksum of its safety configuration: that it stays as it is cannot be "
+        "checked");
   if (controller.remote_control == false)
     made.notes.emplace_back(
         "the controller is in local control: switch to Remote on the pendant before a run");
@@ -288,6 +297,7 @@ std::string new_cell_json(const NewCell& cell, const ControllerDescription& cont
     json["robot_file"] = cell.robot_file;
     json["calibration_m"] = cell.calibration;
   }
+  if (!controller.safety_checksum.empty()) json["safety_checksum"] = controller.safety_checksum;
   if (controller.payload) json["payload_kg"] = *controller.payload;
   if (controller.p_F_payload)
     json["payload_centre_m"] = {controller.p_F_payload->x(), controller.p_F_payload->y(),

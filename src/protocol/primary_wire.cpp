@@ -1,7 +1,10 @@
 #include "protocol/primary_wire.hpp"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
+#include <cstdio>
 
 #include "protocol/big_endian.hpp"
 #include "stonestack/core/error.hpp"
@@ -11,7 +14,7 @@ namespace {
 
 constexpr std::size_t kHeader = 5;
 constexpr std::uint8_t kRobotState = 16, kRobotMessage = 20;
-constexpr std::uint8_t kKinematicsPart = 5;
+constexpr std::uint8_t kKinematicsPart = 5, kSafetyPart = 10;
 constexpr std::size_t kChecksums = 6;  // one a joint, before the table
 constexpr int kReadOnly = 210;
 constexpr std::size_t kLongestTitle = 255;
@@ -128,28 +131,54 @@ bool is_finite(const std::array<double, 6>& values) {
   return std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
 }
 
-/// Looks for the kinematics among the parts of a robot state.
-std::optional<PrimaryKinematics> find_kinematics(std::string_view state) {
+/// Data of the first part of that type in a robot state.
+std::optional<std::string_view> find_part(std::string_view state, std::uint8_t wanted) {
   BigEndianReader parts(state);
   while (parts.sound() && parts.rest().size() >= kHeader) {
     const auto size = parts.get<std::uint32_t>();
     const auto type = parts.get<std::uint8_t>();
     if (size < kHeader) break;
     const std::string_view part = parts.take(size - kHeader);
-    if (!parts.sound() || type != kKinematicsPart) continue;
-    BigEndianReader in(part);
-    in.take(kChecksums * sizeof(std::uint32_t));
-    PrimaryKinematics found;
-    for (auto* column : {&found.theta, &found.a, &found.d, &found.alpha}) {
-      in.get(*column);
-      if (!in.sound() || !is_finite(*column)) return std::nullopt;
-    }
-    return found;
+    if (parts.sound() && type == wanted) return part;
   }
   return std::nullopt;
 }
 
+std::optional<PrimaryKinematics> find_kinematics(std::string_view state) {
+  const auto part = find_part(state, kKinematicsPart);
+  if (!part) return std::nullopt;
+  BigEndianReader in(*part);
+  in.take(kChecksums * sizeof(std::uint32_t));
+  PrimaryKinematics found;
+  for (auto* column : {&found.theta, &found.a, &found.d, &found.alpha}) {
+    in.get(*column);
+    if (!in.sound() || !is_finite(*column)) return std::nullopt;
+  }
+  return found;
+}
+
+std::optional<std::uint32_t> find_safety_checksum(std::string_view state) {
+  const auto part = find_part(state, kSafetyPart);
+  if (!part) return std::nullopt;
+  BigEndianReader in(*part);
+  const auto checksum = in.get<std::uint32_t>();
+  return in.sound() ? std::optional(checksum) : std::nullopt;
+}
+
 }  // namespace
+
+std::string checksum_text(std::uint32_t checksum) {
+  std::array<char, 9> text{};
+  std::snprintf(text.data(), text.size(), "%08X", checksum);
+  return text.data();
+}
+
+std::optional<std::uint32_t> parse_checksum(const std::string& text) {
+  std::uint32_t checksum = 0;
+  const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), checksum, 16);
+  if (text.size() != 8 || problem != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return checksum;
+}
 
 bool is_read_only_error(const PrimaryMessage& message) {
   return message.kind == Kind::kError && message.code == kReadOnly;
@@ -188,8 +217,10 @@ std::optional<PrimaryMessage> PrimaryStream::next() {
     const std::string_view payload = in.take(size - kHeader);
     if (type == kRobotMessage)
       if (auto message = decode_message(payload)) return message;
-    if (type == kRobotState)
+    if (type == kRobotState) {
       if (const auto found = find_kinematics(payload)) kinematics_ = found;
+      if (const auto found = find_safety_checksum(payload)) safety_checksum_ = found;
+    }
     ++passed_over_;
     states_ += type == kRobotState ? 1 : 0;
   }

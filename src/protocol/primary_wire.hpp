@@ -8,8 +8,8 @@
 #include "protocol/ur_version.hpp"
 
 /// Messages of a controller's primary port: packages of `int32 size, uint8 type`, of which robot messages
-/// (type 20) report the state of a program. Of robot states (type 16) only the kinematics are read: state
-/// comes by RTDE.
+/// (type 20) report the state of a program. Of robot states (type 16) only the kinematics and the checksum of
+/// the safety configuration are read: state comes by RTDE.
 namespace stonestack::protocol {
 
 /// A robot message. Which fields mean something depends on the kind.
@@ -40,6 +40,11 @@ struct PrimaryKinematics {
   std::array<double, 6> theta{}, a{}, d{}, alpha{};  ///< of the joints from the base [m, rad]
 };
 
+/// "0A1B2C3D": a checksum of the safety configuration as cells and messages have it.
+[[nodiscard]] std::string checksum_text(std::uint32_t checksum);
+/// The number of eight hexadecimal digits; empty for what is none.
+[[nodiscard]] std::optional<std::uint32_t> parse_checksum(const std::string& text);
+
 /// C210: a script came in on a connection that may only read (robot in local control).
 [[nodiscard]] bool is_read_only_error(const PrimaryMessage& message);
 
@@ -60,6 +65,9 @@ class PrimaryStream {
   [[nodiscard]] long states() const { return states_; }
   /// Of the newest state that had them.
   [[nodiscard]] const std::optional<PrimaryKinematics>& kinematics() const { return kinematics_; }
+  /// Checksum of the applied safety configuration, of the newest state that had it: the first four bytes of
+  /// the state's part 10, which UR does not document (forum.universal-robots.com/t/safety-checksum/988).
+  [[nodiscard]] const std::optional<std::uint32_t>& safety_checksum() const { return safety_checksum_; }
 
  private:
   std::size_t max_;
@@ -68,6 +76,7 @@ class PrimaryStream {
   std::string problem_;
   long passed_over_ = 0, states_ = 0;
   std::optional<PrimaryKinematics> kinematics_;
+  std::optional<std::uint32_t> safety_checksum_;
 };
 
 }  // namespace stonestack::protocol

@@ -149,6 +149,7 @@ RunReport report_of(const json& map, const std::string& path) {
   if (map.contains("cell")) {
     const json& cell = map.at("cell");
     if (const std::string name = text_of(cell, "name", path); name != "real") report.cell = name;
+    if (cell.contains("safety_checksum")) report.safety_checksum = text_of(cell, "safety_checksum", path);
     for (const json& change : entry(cell, "changes", &json::is_array, path)) {
       if (!change.is_string()) throw FileError(path, "cell.changes holds something else than texts", kRemedy);
       report.cell_changes.push_back(change.get<std::string>());

@@ -212,6 +212,7 @@ void build_on_devices(RunReport& report, const CellConfig& config, Performance& 
     return build(report, hardware.cell(), p);
   }
   HardwareCell hardware(config);
+  report.safety_checksum = hardware.safety_checksum();
   if (p.mode.before_motion && hardware.activates_gripper() &&
       !p.mode.before_motion({"activate the gripper, whose fingers open and close fully"}))
     throw Interrupted();

@@ -152,6 +152,7 @@ std::string run_json(const RunReport& report) {
         {"planning", result.seconds.planning},
         {"motion", result.seconds.motion},
         {"beside_motion", result.seconds.beside_motion}}}};
+  if (!report.safety_checksum.empty()) out["cell"]["safety_checksum"] = report.safety_checksum;
   if (result.wall) out["wall"] = wall_figures(*result.wall);
   for (const PlannedStep& step : result.planned) {
     out["planned"].push_back(

@@ -134,14 +134,19 @@ double distance_to_gripper(const GripperBody& model, const GripperPose& gripper_
   return nearest;
 }
 
-Eigen::Vector3d lowest_corner(const GripperBody& model, const GripperPose& gripper_pose) {
-  Eigen::Vector3d lowest(0, 0, std::numeric_limits<double>::infinity());
+Eigen::Vector3d lowest_corner(const GripperBody& model, const GripperPose& gripper_pose,
+                              const GroundHeight& ground) {
+  Eigen::Vector3d lowest = Eigen::Vector3d::Zero();
+  double least = std::numeric_limits<double>::infinity();
   for (const auto& box : model.boxes) {
     const Pose T_W_box = box_pose(model, box, gripper_pose);
     for (int corner = 0; corner < 8; ++corner) {
       const Eigen::Vector3d sign(corner & 1 ? 0.5 : -0.5, corner & 2 ? 0.5 : -0.5, corner & 4 ? 0.5 : -0.5);
       const Eigen::Vector3d p_W = T_W_box * sign.cwiseProduct(box.size);
-      if (p_W.z() < lowest.z()) lowest = p_W;
+      const double height = ground ? p_W.z() - ground(p_W) : p_W.z();
+      if (height >= least) continue;
+      least = height;
+      lowest = p_W;
     }
   }
   return lowest;

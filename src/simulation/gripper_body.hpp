@@ -70,7 +70,10 @@ struct GripperBody {
 /// Distance from a point to the nearest box, 0 inside, m.
 [[nodiscard]] double distance_to_gripper(const GripperBody& model, const GripperPose& gripper_pose,
                                          const Eigen::Vector3d& p_W);
-/// Height of the gripper's lowest corner over the table, m, and where it is.
-[[nodiscard]] Eigen::Vector3d lowest_corner(const GripperBody& model, const GripperPose& gripper_pose);
+/// Height of a surface below a point, m in W.
+using GroundHeight = std::function<double(const Eigen::Vector3d& p_W)>;
+/// The gripper's corner that is lowest over a ground [m in W]; no ground: the plane z = 0.
+[[nodiscard]] Eigen::Vector3d lowest_corner(const GripperBody& model, const GripperPose& gripper_pose,
+                                            const GroundHeight& ground = {});
 
 }  // namespace stonestack::simulation

@@ -156,6 +156,8 @@ class TrueWorld {
   void press_pads(const GripperPose& next, double step);
   void read_stones(double step);
   [[nodiscard]] GripperLoad read_contacts(double step);
+  /// Corner of the gripper that is nearest to the table, or deepest in it, m in W.
+  [[nodiscard]] Eigen::Vector3d corner_at_table() const;
   [[nodiscard]] GripperLoad table_load() const;
   [[nodiscard]] std::string hard_contact() const;
 

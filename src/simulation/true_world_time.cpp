@@ -143,9 +143,15 @@ GripperLoad TrueWorld::read_contacts(double step) {
   return load;
 }
 
+Eigen::Vector3d TrueWorld::corner_at_table() const {
+  if (!scene_.table.shape()) return lowest_corner(model_, gripper_pose_);
+  return lowest_corner(model_, gripper_pose_,
+                       [this](const Eigen::Vector3d& p_W) { return scene_.table.height(p_W); });
+}
+
 GripperLoad TrueWorld::table_load() const {
   GripperLoad load;
-  const Eigen::Vector3d corner = lowest_corner(model_, gripper_pose_);
+  const Eigen::Vector3d corner = corner_at_table();
   const double height = corner.z() - scene_.table.height(corner);
   if (height < 0) load.add(corner, {0, 0, -kPartStiffness * height});
   return load;
@@ -228,7 +234,7 @@ void TrueWorld::step_engine(const GripperPose& wanted) {
 }
 
 std::string TrueWorld::hard_contact() const {
-  const Eigen::Vector3d corner = lowest_corner(model_, gripper_pose_);
+  const Eigen::Vector3d corner = corner_at_table();
   const double height = corner.z() - scene_.table.height(corner);
   if (height < -kDeepestPress)
     return concat("the gripper is pressed ", -1e3 * height, " mm into the table at x ", corner.x(), " y ",

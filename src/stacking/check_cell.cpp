@@ -49,7 +49,15 @@ std::string hear_primary(const CellConfig& cell) {
   std::erase(options.ports, 0);  // left out
   const PrimaryClient primary(cell.arm.address, options);
   primary.wait_until_heard(Deadline::in(kHello));
-  return concat("scripts go to port ", primary.port());
+  const auto checksum = primary.wait_for_safety_checksum(Deadline::in(kHello));
+  if (const auto other = describe_other_safety(checksum, cell.arm.safety_checksum); !other.empty())
+    throw DeviceError("UR controller at " + cell.arm.address, other, kCompareSafety);
+  const std::string port = concat("scripts go to port ", primary.port(), "; safety configuration ");
+  if (!checksum) return port + "without a checksum: that it stays as it is cannot be checked";
+  return concat(port, checksum_text(*checksum),
+                cell.arm.safety_checksum.empty()
+                    ? ": once it is right, write this as arm.safety_checksum, and nothing moves with another"
+                    : ", as the cell has it");
 }
 
 /// Listens for a while, so that a stream that breaks again and again is found; with all that a run reads and

@@ -11,16 +11,14 @@ constexpr double kMaxTurn = 0.026;                               // rad
 constexpr double kMaxLeft = 0.002;                               // m between the views afterwards
 constexpr double kMaxTableHeight = 0.012, kMaxTableTilt = 0.03;  // m, rad: likewise of the table
 
-/// Moves W so that a table, which was found to lie beside the plane z = 0, lies in it; about a point of the
-/// table.
+}  // namespace
+
 Pose levelled(const Plane& table_W, const Eigen::Vector2d& middle) {
   const double height = (table_W.offset - table_W.normal.head<2>().dot(middle)) / table_W.normal.z();
   const Eigen::Vector3d p_W(middle.x(), middle.y(), height);
   const auto turn = Eigen::Quaterniond::FromTwoVectors(table_W.normal, Eigen::Vector3d::UnitZ());
   return Eigen::Translation3d(middle.x(), middle.y(), 0.0) * turn * Eigen::Translation3d(-p_W);
 }
-
-}  // namespace
 
 MountCorrection correction_of(const MountRefinement& found, const CellLayout& layout) {
   const Eigen::Vector2d& middle = layout.field_centre;

@@ -15,6 +15,9 @@ struct MountCorrection {
   /// was calibrated wrongly or has been hit, and a person should know.
   bool accepted = false;
 };
+/// Moves W so that a table, which was found to lie beside the plane z = 0, lies in it; about a point of the
+/// table, `middle` (m in W).
+[[nodiscard]] Pose levelled(const Plane& table_W, const Eigen::Vector2d& middle);
 /// Judges what the views agree on for a layout.
 [[nodiscard]] MountCorrection correction_of(const MountRefinement& found, const CellLayout& layout);
 /// Corrects the layout: the mount, and the robot against W, not the table, so that z = 0 is the table for all

@@ -73,7 +73,22 @@ bool is_of_interest(const CellLayout& layout, const Eigen::Vector2d& p_W) {
          (p_W - layout.T_W_R.translation().head<2>()).norm() > kAtBase;
 }
 
+void add_thing(std::vector<Obstacle>& obstacles, const std::string& what, const UnknownThing& thing) {
+  Obstacle obstacle;
+  obstacle.name = concat(what, " ", obstacles.size() + 1);
+  obstacle.pieces = {prism_about(thing.surface_W)};
+  obstacles.push_back(std::move(obstacle));
+}
+
 }  // namespace
+
+std::vector<Obstacle> objects_above_table(const Views& views, const DetectionOptions& options,
+                                          const std::string& what) {
+  std::vector<Obstacle> obstacles;
+  for (const UnknownThing& thing : find_stack({}, {}, std::nullopt, surface_in(views, options)).unknown)
+    add_thing(obstacles, what, thing);
+  return obstacles;
+}
 
 std::vector<Obstacle> unknown_objects(const Workcell& w, const Views& views,
                                       const std::vector<PlacedStone>& stones) {
@@ -81,11 +96,7 @@ std::vector<Obstacle> unknown_objects(const Workcell& w, const Views& views,
       find_stack(w.models.shapes, stones, w.cell.layout.site, surface_in(views, w.options.detection));
   std::vector<Obstacle> obstacles;
   for (const UnknownThing& thing : sorted.unknown) {
-    if (!is_of_interest(w.cell.layout, thing.p_W)) continue;
-    Obstacle obstacle;
-    obstacle.name = concat("unknown object ", obstacles.size() + 1);
-    obstacle.pieces = {prism_about(thing.surface_W)};
-    obstacles.push_back(std::move(obstacle));
+    if (is_of_interest(w.cell.layout, thing.p_W)) add_thing(obstacles, "unknown object", thing);
   }
   return obstacles;
 }

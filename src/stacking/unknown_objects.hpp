@@ -13,6 +13,11 @@ namespace stonestack::stacking {
 [[nodiscard]] std::vector<Obstacle> unknown_objects(const Workcell& workcell, const Views& views,
                                                     const std::vector<PlacedStone>& stones);
 
+/// Obstacles, likewise, for all that the views show above the table, wherever it stands, named after `what`
+/// with a number.
+[[nodiscard]] std::vector<Obstacle> objects_above_table(const Views& views, const DetectionOptions& options,
+                                                        const std::string& what);
+
 /// Drops sightings of stones that were not known to be there and lie where one of `unknown` lay before:
 /// nobody has touched it, so it is no stone now if it was none then.
 void drop_known_objects(const ShapeList& shapes, const std::vector<StoneIndex>& known,

@@ -95,5 +95,65 @@ TEST_F(CalibrateCommand, ReportsTheChecksFindingInJson) {
   EXPECT_LT(check["off"]["translation_m"].get<double>(), 1e-6);
 }
 
+/// `calibrate --table` on simulated devices behind their protocols.
+class TableCommand : public Commands {
+ protected:
+  /// A cell whose camera is said to sit `deeper` m further from the fingers than it does.
+  void write_cell(double deeper) const {
+    write("cell.yaml",
+          concat("simulate: true\n"
+                 "arm: {rtde: {stale_after: 1.0}, script: {force_stale: 1.0, heartbeat_rate: 2}}\n"
+                 "force_torque: {stale: 0.5}\n"
+                 "layout:\n  T_T_C: {x: 0.0, y: 0.11, z: ",
+                 -0.17 - deeper,
+                 ", qx: 0.0871557, qy: 0.0, qz: 0.0, qw: 0.9961947}\n"
+                 "simulators:\n  camera: {port: 0, T_T_C: {x: 0.0, y: 0.11, z: -0.17, qx: 0.0871557, "
+                 "qy: 0.0, qz: 0.0, qw: 0.9961947}}\n"
+                 "  arm: {standard_ports: false}\n  gripper: {port: 0}\n"
+                 "  force_torque: {port: 0, command_port: 0}\n"));
+  }
+  [[nodiscard]] std::string cell() const { return read_file(folder_ + "/cell.yaml", 1 << 16); }
+};
+
+TEST_F(TableCommand, MovesNoRealArmUnlessRequested) {
+  write("lab.yaml", "arm: {address: 192.0.2.1}\n");
+  expect_refusal("calibrate --table lab.yaml", 2, {"192.0.2.1", "--execute", "clear the field"});
+  write("lab.yaml", "robot: ur10\n");
+  expect_refusal("calibrate --table lab.yaml --execute", 3, {"lab.yaml", "arm.address"});
+  expect_refusal("calibrate --execute --simulate 12", 2, {"--execute", "--table"});
+  expect_refusal("calibrate pairs.yaml --table lab.yaml", 2, {"--table"});
+  expect_refusal("calibrate --simulate 12 --table lab.yaml", 2, {"--simulate", "--table"});
+  expect_refusal("calibrate --table nowhere.yaml", 3, {"nowhere.yaml"});
+}
+
+TEST_F(TableCommand, TouchesTheTableAndWritesTheBase) {
+  write_cell(0.0);
+  const Outcome done =
+      run("calibrate --table cell.yaml --seed 2 --json --write cell.yaml "
+          "--set simulation.table_height=0.006");
+  ASSERT_EQ(done.code, 0) << done.err;
+  const json table = done.data();
+  EXPECT_EQ(table["schema"], "stonestack.table/1");
+  EXPECT_TRUE(table["agree"].get<bool>()) << done.out;
+  EXPECT_EQ(table["points"].size(), 3U);
+  EXPECT_NEAR(std::abs(table["touched"]["height_mm"].get<double>()), 6.0, 1.5) << done.out;
+  EXPECT_THAT(done.err, testing::AllOf(HasSubstr("touched table:"), HasSubstr("wrote layout.T_W_R: {x: ")));
+  EXPECT_THAT(cell(), HasSubstr("  T_W_R: {x: "));
+  EXPECT_NEAR(table["T_W_R"]["z"].get<double>(), -1e-3 * table["touched"]["height_mm"].get<double>(), 0.002);
+}
+
+TEST_F(TableCommand, WritesNothingWhereTouchAndCameraDisagree) {
+  write_cell(0.02);
+  const std::string before = cell();
+  const Outcome done = run("calibrate --table cell.yaml --write cell.yaml");
+  EXPECT_EQ(done.code, 6) << done.err;
+  EXPECT_THAT(
+      done.out,
+      testing::AllOf(testing::ContainsRegex("FAIL  the camera sees the table (1[5-9]|2[0-4]) mm above"),
+                     HasSubstr("stonestack calibrate STATIONS")));
+  EXPECT_THAT(done.err, testing::AllOf(HasSubstr("disagree"), HasSubstr("nothing was written")));
+  EXPECT_EQ(cell(), before);
+}
+
 }  // namespace
 }  // namespace stonestack

@@ -294,6 +294,18 @@ TEST_F(Commands, BuildsThroughTheRealBackends) {
   EXPECT_EQ(result["height"], 1);
   EXPECT_GE(result["truth"]["height"], 1) << "the run reports a tower that does not stand";
   EXPECT_THAT(done.err, HasSubstr("RTDE"));
+  EXPECT_EQ(result["cell"]["safety_checksum"], "2F0B1D6A") << "as the simulated controller says it";
+}
+
+TEST_F(Commands, RunMovesNothingWithAnotherSafetyConfiguration) {
+  write("cell.yaml",
+        "simulate: true\narm: {safety_checksum: 57F4285B}\nsimulators:\n"
+        "  arm: {standard_ports: false}\n  gripper: {port: 0}\n"
+        "  force_torque: {port: 0, command_port: 0}\n  camera: {port: 0}\n");
+  const Outcome refused = run("run --cell cell.yaml --per-run 1 --seed 1 --out run");
+  EXPECT_EQ(refused.code, 6) << refused.err;
+  EXPECT_THAT(refused.err,
+              testing::AllOf(HasSubstr("57F4285B"), HasSubstr("2F0B1D6A"), HasSubstr("on the pendant")));
 }
 
 // A UR10e with its own force sensor: the weights and contacts of the run come over RTDE.

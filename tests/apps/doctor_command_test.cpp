@@ -34,6 +34,17 @@ TEST_F(DoctorCommand, NamesTheForceSensor) {
               ContainsRegex("ok    force sensor, reading: Robotiq, force"));
 }
 
+TEST_F(DoctorCommand, ComparesTheSafetyConfigurationWithTheCells) {
+  const std::string cell = "doctor --cell loopback-ur10 --set simulators.arm.safety_checksum=57F4285B";
+  EXPECT_THAT(run(cell).out, ContainsRegex("ok    arm, script port: .*safety configuration 57F4285B: .*"
+                                           "arm.safety_checksum"));
+  EXPECT_THAT(run(cell + " --set arm.safety_checksum=57F4285B").out,
+              ContainsRegex("ok    arm, script port: .*57F4285B, as the cell has it"));
+  const Outcome other = run(cell + " --set arm.safety_checksum=57F4285C");
+  EXPECT_EQ(other.code, 6);
+  EXPECT_THAT(other.out, ContainsRegex("FAIL  arm, script port: .*57F4285B.*57F4285C.*on the pendant"));
+}
+
 TEST_F(DoctorCommand, NamesWhatIsWrong) {
   const Outcome well = run("doctor --json");
   EXPECT_EQ(well.code, 0) << well.err;

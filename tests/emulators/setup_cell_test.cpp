@@ -24,8 +24,9 @@ class SetUpCell : public testing::Test {
   ~SetUpCell() override { std::filesystem::remove_all(folder_); }
 
   [[nodiscard]] ControllerDescription described(const std::string& robot, const std::string& version,
-                                                double payload) {
+                                                double payload, const std::string& safety = "57F4285B") {
     UrServerOptions options;
+    options.safety_checksum = safety;
     options.version = version;
     options.payload = payload;
     options.payload_cog = {0.0, 0.01, 0.1};
@@ -98,6 +99,18 @@ TEST_F(SetUpCell, AnESeriesArmHasItsOwnSensorAndAHandBehindItsUrcap) {
   EXPECT_TRUE(cell.has_own_sensor());
   EXPECT_EQ(cell.gripper_driver, "robotiq_2f");
   EXPECT_EQ(cell.sensor_mass, 0.0);
+}
+
+TEST_F(SetUpCell, TheSafetyConfigurationIsNoted) {
+  const ControllerDescription controller = described("ur10", "3.15.8.106339", 3.3);
+  const NewCell made = write_new_cell(order("lab.yaml"), controller);
+  EXPECT_EQ(read_cell_file(made.path).arm.safety_checksum, "57F4285B");
+  EXPECT_THAT(new_cell_json(made, controller), HasSubstr("\"safety_checksum\": \"57F4285B\""));
+  const ControllerDescription silent = described("ur10", "3.15.8.106339", 3.3, "");
+  const NewCell without = write_new_cell(order("other.yaml"), silent);
+  EXPECT_EQ(read_cell_file(without.path).arm.safety_checksum, "");
+  EXPECT_THAT(without.notes, testing::Contains(HasSubstr("no checksum of its safety configuration")));
+  EXPECT_THAT(new_cell_json(without, silent), testing::Not(HasSubstr("safety_checksum")));
 }
 
 TEST_F(SetUpCell, ACalibratedArmGetsARobotFileBesideTheCell) {

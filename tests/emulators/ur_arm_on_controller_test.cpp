@@ -205,8 +205,9 @@ TEST(UrScripts, AnArmThatWasMovedInAPauseDoesNotJumpBack) {
 
 /// UrArm on a server over loopback.
 struct Loopback {
-  explicit Loopback(const UrServerOptions& options = {}, ForceTorqueSensor* sensor = nullptr)
-      : server(options, robot, plant) {
+  explicit Loopback(const UrServerOptions& options = {}, ForceTorqueSensor* sensor = nullptr,
+                    const std::string& safety = {})
+      : safety_checksum(safety), server(options, robot, plant) {
     server.start();
     arm = std::make_unique<UrArm>(robot, arm_options(), Pose::Identity(),
                                   Pose(Eigen::Translation3d(0, 0, 0.264)), sensor);
@@ -222,9 +223,11 @@ struct Loopback {
     o.dashboard_port = or_closed(server.ports().dashboard);
     o.rtde.stale_after = o.script.force_stale = 1.0;  // a busy machine is not the point here
     o.script.heartbeat_rate = 2;
+    o.safety_checksum = safety_checksum;
     o.pause_limit = 20.0;  // what is paused by a mistake of a test does not hold it up
     return o;
   }
+  std::string safety_checksum;
   RobotModel robot = read_robot("ur10");
   IdealPlant plant{ScriptBench::start()};
   UrControllerServer server;
@@ -428,6 +431,39 @@ TEST(UrArmOnController, ClosedPortsAndPolyScopeXAreNamed) {
   options = {};
   options.version = "10.7.0.0";
   EXPECT_THAT(problem_of(options), HasSubstr("PolyScope X 10.7.0.0"));
+}
+
+/// Error of connecting with that checksum in the cell.
+std::string problem_with_safety(const UrServerOptions& options, const std::string& wanted) {
+  try {
+    const Loopback cell(options, nullptr, wanted);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(UrArmOnController, MovesWithTheSafetyConfigurationOfItsCellAlone) {
+  for (const char* version : {"3.15.8.106339", "5.11.0.108249"}) {
+    UrServerOptions options;
+    options.version = version;
+    options.safety_checksum = "57F4285B";
+    Loopback same(options, nullptr, "57F4285B");
+    EXPECT_EQ(same.arm->safety_checksum(), 0x57F4285BU);
+    const MotionResult moved = same.arm->follow(planned(0.1));
+    EXPECT_EQ(moved.status, Status::kDone) << moved.reason;
+    EXPECT_THAT(problem_with_safety(options, "57F4285C"),
+                testing::AllOf(HasSubstr("57F4285B"), HasSubstr("57F4285C"), HasSubstr("on the pendant"),
+                               HasSubstr("arm.safety_checksum")));
+    options.safety_checksum.clear();
+    EXPECT_THAT(
+        problem_with_safety(options, "57F4285B"),
+        testing::AllOf(HasSubstr("says no checksum"), HasSubstr("57F4285B"), HasSubstr("remove the line")));
+    Loopback any(options);
+    EXPECT_FALSE(any.arm->safety_checksum());
+    EXPECT_EQ(any.arm->follow(planned(0.1)).status, Status::kDone) << "the cell names none";
+  }
+  EXPECT_THAT(problem_with_safety({}, "CCCC"), HasSubstr("eight hexadecimal digits"));
 }
 
 TEST(UrArmOnController, FaultsOfTheWire) {

@@ -286,8 +286,8 @@ TEST(UrWire, RobotStateHasItsSubPackages) {
     ASSERT_GE(number(at), 5U);
     sizes[state[at + 4]] = number(at);
   }
-  const std::map<int, std::size_t> expected{{0, 47},  {1, 251}, {2, 37}, {3, 75}, {4, 101},
-                                            {5, 225}, {6, 445}, {7, 61}, {8, 9},  {9, 53}};
+  const std::map<int, std::size_t> expected{{0, 47},  {1, 251}, {2, 37}, {3, 75}, {4, 101}, {5, 225},
+                                            {6, 445}, {7, 61},  {8, 9},  {9, 53}, {10, 43}};
   EXPECT_EQ(sizes, expected);
 }
 

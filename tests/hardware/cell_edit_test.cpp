@@ -66,6 +66,32 @@ TEST_F(CellEdit, ReplacesTheNumbersOfTheTemplateAndNothingElse) {
   EXPECT_EQ(std::count(before.begin(), before.end(), '\n'), std::count(after.begin(), after.end(), '\n'));
 }
 
+TEST_F(CellEdit, WritesTheBaseAndNothingElse) {
+  const Pose T_W_R = make_pose({0.001, -0.002, 0.0123}, Eigen::Quaterniond(0.9999, 0.01, -0.005, 0.0));
+  const std::string before = read_file(data_path("cells/lab-ur10.yaml"), 1 << 20);
+  for (const std::string& text :
+       {before, before + "layout.T_W_R.z: 0.5  # of the base\n",
+        std::string("layout:\n  T_W_R: {x: 0.1, qw: 1.0}  # base\n  site: {x: 0.5}\n"),
+        std::string("robot: ur10\n")}) {
+    write_file(path_, text);
+    const CellLayout old = layout();
+    EXPECT_THAT(write_base(path_, T_W_R), HasSubstr("layout.T_W_R: {x: 0.001, y: -0.002, z: 0.0123, qx: "));
+    const CellLayout now = layout();
+    EXPECT_TRUE(now.T_W_R.isApprox(T_W_R, 1e-5)) << this->text();
+    EXPECT_TRUE(now.T_T_C.isApprox(old.T_T_C)) << this->text();
+    EXPECT_EQ(now.site, old.site);
+    EXPECT_LE(changed_lines(text, this->text()).size(), 8U) << this->text();
+    const std::string written = this->text();
+    write_base(path_, T_W_R);
+    EXPECT_EQ(this->text(), written) << "twice is as once";
+  }
+  write_file(path_, "layout: &shared\n  T_W_R: &base {x: 0.0}\nother: *base\n");
+  const std::string odd = text();
+  EXPECT_THROW(write_base(path_, T_W_R), FileError);
+  EXPECT_EQ(text(), odd);
+  EXPECT_THROW(write_base(folder_ + "none.yaml", T_W_R), FileError);
+}
+
 TEST_F(CellEdit, EditsEveryManner) {
   const std::string comment = "# Größe: 3 µm – not ASCII, before what is edited\n";
   // maps in lines

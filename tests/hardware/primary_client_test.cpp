@@ -10,6 +10,7 @@
 #include <mutex>
 
 #include "hardware/fake_server.hpp"
+#include "hardware/safety_state.hpp"
 #include "protocol/big_endian.hpp"
 #include "protocol/hex.hpp"
 
@@ -136,6 +137,35 @@ TEST(PrimaryWire, KinematicsOfAStateAreReadAndBrokenOnesLeftOut) {
   EXPECT_EQ(stream.problem(), "");
 }
 
+TEST(PrimaryWire, TheSafetyChecksumOfAStateIsReadAndABrokenOneLeftOut) {
+  PrimaryStream stream;
+  stream.feed(kState + state_with_safety("57F428", 3));
+  EXPECT_FALSE(stream.next());
+  EXPECT_FALSE(stream.safety_checksum()) << "cut off";
+  stream.feed(state_with_safety("57F4285B"));
+  EXPECT_FALSE(stream.next());
+  ASSERT_TRUE(stream.safety_checksum());
+  EXPECT_EQ(*stream.safety_checksum(), 0x57F4285BU);
+  stream.feed(state_with_safety("00000001") + kState);
+  EXPECT_FALSE(stream.next());
+  EXPECT_EQ(*stream.safety_checksum(), 1U) << "the newest state that says one";
+  EXPECT_EQ(stream.problem(), "");
+  EXPECT_EQ(checksum_text(0x57F4285BU), "57F4285B");
+  EXPECT_EQ(parse_checksum("57f4285B"), 0x57F4285BU);
+  for (const char* none : {"", "57F4285", "57F4285B0", "57F4285G", "-7F4285B", "0x57F428"})
+    EXPECT_FALSE(parse_checksum(none)) << none;
+}
+
+TEST(PrimaryWire, AnotherSafetyConfigurationIsNamedWithBothChecksums) {
+  EXPECT_EQ(describe_other_safety(std::nullopt, ""), "");
+  EXPECT_EQ(describe_other_safety(1U, ""), "");
+  EXPECT_EQ(describe_other_safety(1U, "00000001"), "");
+  EXPECT_THAT(describe_other_safety(2U, "00000001"), AllOf(HasSubstr("00000002"), HasSubstr("00000001")));
+  EXPECT_THAT(describe_other_safety(std::nullopt, "00000001"),
+              AllOf(HasSubstr("says no checksum"), HasSubstr("00000001")));
+  EXPECT_THROW(static_cast<void>(describe_other_safety(1U, "1")), InvalidArgument);
+}
+
 /// Speaks `hello` to every client and keeps what they send.
 struct FakePrimary {
   explicit FakePrimary(std::string hello, std::function<std::string(const std::string&, int)> answer = {})
@@ -214,6 +244,17 @@ TEST(PrimaryClient, DistinguishesAControllerFromOtherListeners) {
   EXPECT_THAT(problem_of(""), AllOf(HasSubstr("127.0.0.1:"), HasSubstr("neither its version"),
                                     HasSubstr("arm.primary_port")));
   EXPECT_THAT(problem_of("HTTP/1.1 400 Bad Request\r\n"), HasSubstr("no UR controller: package of"));
+}
+
+TEST(PrimaryClient, TheSafetyChecksumIsNotWaitedForWhereStatesLackIt) {
+  FakePrimary says(kState + state_with_safety("57F4285B"));
+  const PrimaryClient client("127.0.0.1", {{says.server.port()}, 0.5, 0.5});
+  EXPECT_EQ(client.wait_for_safety_checksum(Deadline::in(20)), 0x57F4285BU);
+  FakePrimary silent(kState + kState + kState);
+  const PrimaryClient other("127.0.0.1", {{silent.server.port()}, 0.5, 0.5});
+  const Deadline patience = Deadline::in(600);
+  EXPECT_FALSE(other.wait_for_safety_checksum(patience));
+  EXPECT_FALSE(patience.over());
 }
 
 TEST(PrimaryClient, ConnectsAgainWhenTheStreamIsLostOrGarbage) {

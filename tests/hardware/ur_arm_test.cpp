@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "hardware/fake_ur.hpp"
+#include "hardware/safety_state.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::hardware {
@@ -195,6 +196,23 @@ TEST(UrArm, AfterAProtectiveStopNothingMovesUntilRearmed) {
   EXPECT_EQ(bench.robot.count("servoj(q"), 1);
   EXPECT_NO_THROW(bench.arm.rearm());
   EXPECT_TRUE(bench.arm.state().can_move);
+}
+
+TEST(UrArm, NothingMovesOnceTheSafetyConfigurationHasChanged) {
+  FakeUr robot([](State& s, const std::string& script, int run) { obey(s, script, run); });
+  robot.change([](State& s) { s.to_send = state_with_safety("57F4285B"); });
+  UrArmOptions options = robot.options();
+  options.safety_checksum = "57F4285B";
+  UrArm arm(arm_model(), options, Pose::Identity(), ArmBench::tool());
+  const MotionResult moved = arm.follow(small_arm_move());
+  EXPECT_EQ(moved.status, Status::kDone) << moved.reason;
+  robot.change([](State& s) { s.to_send = state_with_safety("00000001"); });
+  ASSERT_TRUE(eventually([&] { return arm.safety_checksum() == 1U; }));
+  const MotionResult refused = arm.follow(small_arm_move());
+  EXPECT_EQ(refused.status, Status::kRefused);
+  EXPECT_THAT(refused.reason, testing::AllOf(HasSubstr("00000001"), HasSubstr("57F4285B")));
+  EXPECT_THROW(arm.set_payload(1.0, {0, 0, 0.1}), DeviceError);
+  EXPECT_EQ(robot.count("def stonestack_2()"), 0);
 }
 
 TEST(UrArm, NotesAStopWhileNothingMoves) {

@@ -112,6 +112,7 @@ TEST(ExperimentReport, ARunSaysWhichCellItIsFrom) {
   Experiment experiment = sample();
   experiment.runs[0].report.cell = "lab";
   experiment.runs[0].report.cell_changes = {"friction=0.2", "clearance=0.1"};
+  experiment.runs[0].report.safety_checksum = "57F4285B";
   const std::string text = experiment_json(experiment);
   const nlohmann::json cell = nlohmann::json::parse(text)["runs"][0]["cell"];
   EXPECT_EQ(cell["name"], "lab");
@@ -123,6 +124,7 @@ TEST(ExperimentReport, ARunSaysWhichCellItIsFrom) {
   const Experiment same = read_experiment(path);
   EXPECT_EQ(same.runs[0].report.cell, "lab");
   EXPECT_EQ(same.runs[0].report.cell_changes, experiment.runs[0].report.cell_changes);
+  EXPECT_EQ(same.runs[0].report.safety_checksum, "57F4285B");
   EXPECT_EQ(same.runs[1].report.cell, "");
 }
 

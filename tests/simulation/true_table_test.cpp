@@ -7,6 +7,7 @@
 
 #include "cell_bench.hpp"
 #include "geometry/depth_render.hpp"
+#include "simulation/gripper_body.hpp"
 #include "simulation/true_view.hpp"
 
 namespace stonestack::simulation {
@@ -125,6 +126,18 @@ TEST(TrueTable, AStoneThatRollsOverTheEdgeIsGone) {
   world.place(0_stone, make_pose(Eigen::Vector3d(1.6, 0, 0.1)));
   (void)world.wait(4.0);
   EXPECT_GT(world.centre_of_mass(0_stone).norm(), 10.0);
+}
+
+TEST(TrueTable, AnUprightGripperMeetsASlopeUphill) {
+  const GripperBody body = make_gripper_body(make_robotiq_3f(), "parallel");
+  GripperPose upright{tool_down({0.7, 0.0, 0.1}), {}};
+  upright.finger.fill(0.0775);
+  for (const double slope : {0.02, -0.02}) {
+    const auto ground = [slope](const Eigen::Vector3d& p_W) { return slope * (p_W.x() - 0.7); };
+    const Eigen::Vector3d corner = lowest_corner(body, upright, ground);
+    EXPECT_GT((corner.x() - 0.7) * slope, 0.02 * 0.07) << "a finger's width to the side that is higher";
+    EXPECT_NEAR(corner.z(), 0.1, 0.001);
+  }
 }
 
 TEST(TrueTable, TheGripperFeelsItWhereItIs) {

@@ -112,6 +112,7 @@ struct RunReport {
   int seed = 0;                           ///< seed of the run
   std::string cell;                       ///< named set of the simulated cell's errors; empty: a real cell
   std::vector<std::string> cell_changes;  ///< "NAME=VALUE" of what is not as that set has it
+  std::string safety_checksum;            ///< of the arm's controller; empty: none was said
   std::vector<std::string> present;       ///< names of the stones that were in the field
   std::optional<TruthReport> truth;       ///< simulated cell only
   std::string options_text;               ///< resolved options, YAML

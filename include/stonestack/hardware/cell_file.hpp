@@ -46,6 +46,9 @@ class HardwareCell {
   [[nodiscard]] bool activates_gripper();
   /// Activates the gripper if it is not active: it opens and closes fully, so only with an empty gripper.
   void activate_gripper();
+  /// Checksum of the safety configuration that the arm's controller has, as eight hexadecimal digits; empty
+  /// where it says none.
+  [[nodiscard]] std::string safety_checksum() const;
 
  private:
   struct Devices;
@@ -92,6 +95,9 @@ struct ControllerDescription {
   /// The arm's own DH table, calibration included: theta, d, a, alpha of each joint [m, rad]. Empty where
   /// the script port says none.
   std::optional<std::array<std::array<double, 4>, 6>> dh;
+  /// Checksum of the safety configuration, as eight hexadecimal digits. Empty where the script port says
+  /// none.
+  std::string safety_checksum;
 };
 /// Asks a controller what it is. Moves and changes nothing. Of the cell only address and ports are used.
 /// @throws DeviceError
@@ -139,6 +145,11 @@ NewCell write_new_cell(const CellSetup& setup, const ControllerDescription& cont
 /// @throws FileError for a file that is no cell, and for one whose text cannot be edited (aliases, several
 /// lines in one value): it says the line to write by hand.
 std::string write_mount(const std::string& path, const Pose& T_F_C, const std::string& calibration = "");
+
+/// Writes the robot's base into a cell file as `layout.T_W_R` and leaves every other character as it is.
+/// @return the line that was written
+/// @throws FileError as `write_mount`
+std::string write_base(const std::string& path, const Pose& T_W_R);
 
 /// A pose as a cell file has it, to 0.1 um: "{x: 0.0, y: 0.11, z: -0.17, qx: 0.0871557, ...}"
 [[nodiscard]] std::string mount_text(const Pose& pose);

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <functional>
 #include <optional>
 #include <string>
@@ -77,6 +78,39 @@ struct CellPreviewOptions {
 /// stand on them, and whether the camera sees them from where a run looks at them.
 /// @throws FileError, InvalidArgument for joint angles that the robot does not have
 [[nodiscard]] CellPreview preview_cell(const CellConfig& cell, const CellPreviewOptions& options = {});
+
+/// Height and tilt of a plane near the table.
+struct TableLevel {
+  double height = 0.0;  ///< z in W in the middle of the field [m]
+  double tilt = 0.0;    ///< angle of its normal from z of W [rad]
+};
+/// The table as the fingers touched it, compared with what the camera sees.
+struct TouchedTable {
+  std::array<Eigen::Vector3d, 3> p_W;  ///< where a finger met the table [m]
+  std::array<double, 3> force{};       ///< at contact [N]
+  TableLevel touched;                  ///< plane through the three points
+  TableLevel seen;                     ///< plane that the camera sees, by its mount
+  /// The seen plane above the touched one: difference of their heights, and angle between their normals.
+  TableLevel apart;
+  std::vector<std::string> problems;  ///< where the two disagree, each with what to do; empty: they agree
+  /// Pose of the robot's base with which the touched plane is z = 0 of W.
+  Pose T_W_R = Pose::Identity();
+};
+/// Touches the table at three points with the open and empty gripper, and compares the plane through them
+/// with the one that the camera sees. One view of the field is taken first. The three points lie on bare
+/// table, free for the gripper, as far apart as the view and the arm's reach allow; the routes to all of them
+/// are planned before the first descent. A descent is straight down, at 10 mm/s, guarded by the force at the
+/// wrist, and ends 25 mm below where table and camera would have it at the latest. The gripper opens fully
+/// first: that is where the tip of the tool is defined. In the end the arm returns to where it stood, if the
+/// way is free. The tool is never faster than 0.25 m/s.
+/// @throws DeviceError, with the remedy, for a table that is not seen, fewer than three points, a descent
+/// that meets nothing, a motion that the arm refuses, and after five minutes; Error (safety stop) when the
+/// arm is stopped; Interrupted
+[[nodiscard]] TouchedTable touch_table(Cell& cell, const RobotModel& robot);
+/// Five lines for a person: points, planes, their difference, and what to do.
+[[nodiscard]] std::string to_text(const TouchedTable& table);
+/// JSON text of schema stonestack.table/1.
+[[nodiscard]] std::string touched_table_json(const TouchedTable& table);
 
 }  // namespace stonestack::stacking
 

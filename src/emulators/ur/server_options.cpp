@@ -45,6 +45,8 @@ FieldList fields(UrServerOptions& o) {
                    field("version", o.version, "PolyScope: 3.x is a CB3, 5.x an e-Series, 10.x PolyScope X"),
                    field("model", o.model, "as the Dashboard names it"),
                    field("serial", o.serial, "as the Dashboard names it"),
+                   field("safety_checksum", o.safety_checksum,
+                         "of the safety configuration, eight hexadecimal digits; empty: it is not said"),
                    field("speed", o.speed, {0.01, 1000.0}, "", "times real time"),
                    field("programs", o.programs, "by commas, as hello.urp: what the Dashboard can load"),
                    field("external_control", o.external_control, {0, 65535}, "",

@@ -3,6 +3,7 @@
 
 #include "emulators/ur/primary_messages.hpp"
 #include "protocol/big_endian.hpp"
+#include "protocol/primary_wire.hpp"
 
 namespace stonestack::emulators {
 namespace {
@@ -10,6 +11,7 @@ namespace {
 constexpr std::uint8_t kRobotState = 16;
 constexpr float kVolts = 48.0F, kStateWarm = 25.0F;
 constexpr std::uint8_t kStateJointRunning = 253, kStateJointIdle = 255, kStateJointOff = 239;
+constexpr std::size_t kSafetyData = 38;      // bytes of part 10, in a state of URSim 5.8
 constexpr double kJointAcceleration = 40.0;  // rad/s^2, as in the configuration
 
 void put_float(std::string& out, float value) {
@@ -101,7 +103,8 @@ std::string masterboard_data(const UrController& c) {
   put(data, static_cast<std::uint8_t>(c.safety_mode));
   put(data, std::uint8_t{0});  // not in reduced mode
   put(data, std::uint8_t{0});  // no Euromap 67
-  put(data, std::uint32_t{0});
+  // UR's own; in a state of URSim 5.8 it is the checksum of the safety configuration once more.
+  put(data, parse_checksum(c.options().safety_checksum).value_or(0));
   put(data, std::uint8_t{0});
   put(data, std::uint8_t{0});
   if (c.version().has({3, 10, 0, 0}, {5, 4, 0, 0})) put(data, std::uint8_t{0});
@@ -178,6 +181,12 @@ std::string encode_robot_state(const UrController& c) {
   put(data, 0.0);  // dexterity
   add(state, 7, data);
   add(state, 8, std::string("\0\1\0\1", 4));
+  if (const auto checksum = parse_checksum(c.options().safety_checksum)) {
+    data.clear();
+    put(data, *checksum);
+    data.resize(kSafetyData, '\0');
+    add(state, 10, data);
+  }
   std::string whole;
   put(whole, static_cast<std::uint32_t>(state.size() + 4));
   return whole + state;

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "emulators/ur/server_links.hpp"
+#include "protocol/primary_wire.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
 
@@ -169,6 +170,9 @@ UrControllerServer::UrControllerServer(const UrServerOptions& options, const Rob
           options.speed);
   require(is_loopback(options.address), "the simulated controller listens on 127.x.y.z, not on ",
           options.address);
+  require(options.safety_checksum.empty() || parse_checksum(options.safety_checksum),
+          "a safety configuration's checksum has eight hexadecimal digits, not '", options.safety_checksum,
+          "'");
   parts_ = std::make_unique<Parts>(options, robot, plant);
 }
 

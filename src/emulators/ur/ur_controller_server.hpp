@@ -44,6 +44,8 @@ struct UrServerOptions {
                                           ///< 10.x: PolyScope X, which has no Dashboard (failure mode 21)
   std::string model = "UR10";             ///< as the Dashboard names it
   std::string serial = "2014301234";
+  /// Checksum of the safety configuration, eight hexadecimal digits; empty: states do not have it.
+  std::string safety_checksum = "2F0B1D6A";
   double speed = 1.0;  ///< control steps a second, times the real ones
   /// Programs, separated by commas, that the Dashboard finds: `load hello.urp`. Played, one runs until it is
   /// stopped, and does nothing: what a program on the pendant does that waits for others.

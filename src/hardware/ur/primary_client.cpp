@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::size_t kKept = 256, kChunk = 16384;
 constexpr double kReadTurn = 1.0;     // s
+constexpr long kStatesWithout = 3;    // states that show that a controller does not say something
 constexpr int kRealtimePort = 30003;  // and its frames carry no type
 
 }  // namespace
@@ -68,7 +69,7 @@ struct PrimaryClient::Link {
           knows_version = knows_version || message->kind == PrimaryMessage::Kind::kVersion;
           if (speaks) keep(std::move(*message));
         }
-        if (speaks) keep(parser.kinematics());
+        if (speaks) keep(parser);
         note(knows_version || (speaks ? parser.states() : parser.passed_over()) > 0, parser.problem());
         if (!speaks || parser.problem().empty()) continue;
         log_warning(from.name() + ": out of step: " + parser.problem() +
@@ -96,9 +97,11 @@ struct PrimaryClient::Link {
     if (messages.size() > kKept) messages.pop_front();
   }
 
-  void keep(const std::optional<PrimaryKinematics>& found) {
+  void keep(const PrimaryStream& parser) {
     const std::lock_guard lock(messages_mutex);
-    if (found) kinematics = found;
+    if (parser.kinematics()) kinematics = parser.kinematics();
+    if (parser.safety_checksum()) safety_checksum = parser.safety_checksum();
+    states = parser.states();
   }
 
   void send(const std::string& script) {
@@ -127,6 +130,8 @@ struct PrimaryClient::Link {
   bool heard = false;  // a controller, on some connection
   std::string odd;     // what was wrong first
   std::optional<PrimaryKinematics> kinematics;
+  std::optional<std::uint32_t> safety_checksum;
+  long states = 0;  // of the present connection
 };
 
 PrimaryClient::PrimaryClient(const std::string& address, const PrimaryOptions& options)
@@ -173,6 +178,34 @@ std::optional<PrimaryKinematics> PrimaryClient::wait_for_kinematics(Deadline dea
   while (!link_->kinematics && link_->odd.empty() && !deadline.over())
     link_->noted.wait_for(lock, std::chrono::duration<double>(deadline.or_interrupt().turn()));
   return link_->kinematics;
+}
+
+std::optional<std::uint32_t> PrimaryClient::safety_checksum() const {
+  const std::lock_guard lock(link_->messages_mutex);
+  return link_->safety_checksum;
+}
+
+std::optional<std::uint32_t> PrimaryClient::wait_for_safety_checksum(Deadline deadline) const {
+  std::unique_lock lock(link_->messages_mutex);
+  while (!link_->safety_checksum && link_->states < kStatesWithout && link_->odd.empty() && !deadline.over())
+    link_->noted.wait_for(lock, std::chrono::duration<double>(deadline.or_interrupt().turn()));
+  return link_->safety_checksum;
+}
+
+std::string describe_other_safety(const std::optional<std::uint32_t>& found, const std::string& wanted) {
+  if (wanted.empty()) return {};
+  const auto expected = parse_checksum(wanted);
+  require(expected.has_value(), "arm.safety_checksum has eight hexadecimal digits, not '", wanted, "'");
+  if (!found)
+    return concat(
+        "the controller says no checksum of its safety configuration on its primary or secondary port, and "
+        "the "
+        "cell's arm.safety_checksum is ",
+        wanted);
+  if (*found == *expected) return {};
+  return concat("the controller's safety configuration has the checksum ", checksum_text(*found),
+                ", and the cell's arm.safety_checksum is ", wanted,
+                ": it is not the configuration that the cell was set up with");
 }
 
 int PrimaryClient::port() const {

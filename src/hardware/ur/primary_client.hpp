@@ -37,6 +37,12 @@ class PrimaryClient {
   /// The arm's kinematics, once a state has said them; empty where none has within the deadline. Interrupted
   /// after Ctrl-C.
   [[nodiscard]] std::optional<PrimaryKinematics> wait_for_kinematics(Deadline deadline) const;
+  /// Checksum of the safety configuration as states have it (`PrimaryStream::safety_checksum`), the newest;
+  /// empty where none has said it yet.
+  [[nodiscard]] std::optional<std::uint32_t> safety_checksum() const;
+  /// Waits for that until a state has said it; empty where three states, or the deadline, have passed without
+  /// it. Interrupted after Ctrl-C.
+  [[nodiscard]] std::optional<std::uint32_t> wait_for_safety_checksum(Deadline deadline) const;
   /// The port in use.
   [[nodiscard]] int port() const;
 
@@ -44,5 +50,17 @@ class PrimaryClient {
   struct Link;
   std::unique_ptr<Link> link_;
 };
+
+/// Why a safety configuration with the checksum `found` is not the one that is `wanted` (eight hexadecimal
+/// digits; empty: any). Empty: it is.
+/// @throws InvalidArgument for a wanted one that is none
+[[nodiscard]] std::string describe_other_safety(const std::optional<std::uint32_t>& found,
+                                                const std::string& wanted);
+/// Remedy for another safety configuration.
+inline constexpr const char* kCompareSafety =
+    "let whoever may change it compare the safety configuration on the pendant with what the cell needs, "
+    "then "
+    "write arm.safety_checksum as `stonestack doctor` shows it, or remove the line where the controller says "
+    "none";
 
 }  // namespace stonestack::hardware

@@ -44,6 +44,7 @@ struct UrArm::Device {
     if (auto hindrance = find_hindrance(now); !hindrance.empty()) return hindrance;
     if (auto reason = link.stop_reason(); !reason.empty())
       return "there was a stop, and nobody has looked and re-armed: " + reason;
+    if (auto other = link.other_safety_configuration(); !other.empty()) return other;
     if (now.program_running) return "another program runs on the controller; stop it first";
     if (now.is_held()) return "another program is paused on the controller; stop it first";
     return {};
@@ -211,6 +212,10 @@ UrVersion UrArm::version() const {
   return device_->link.version;
 }
 
+std::optional<std::uint32_t> UrArm::safety_checksum() const {
+  return device_->link.wait_for_safety_checksum();
+}
+
 std::vector<std::string> UrArm::missing_outputs() const {
   return device_->link.rtde.missing();
 }
@@ -228,7 +233,9 @@ FieldList fields(UrArmOptions& o) {
         field("end_grace", o.end_grace, {0.05, 10}, "s", "that a program may be over without an end state"),
         field("time_slack", o.time_slack, {0.1, 600}, "s", "that a motion may take longer than planned"),
         field("pause_limit", o.pause_limit, {0, 86400}, "s", "that a user may pause a motion"),
-        field("stop_timeout", o.stop_timeout, {0.1, 60}, "s", "until the arm stands still after a stop")},
+        field("stop_timeout", o.stop_timeout, {0.1, 60}, "s", "until the arm stands still after a stop"),
+        field("safety_checksum", o.safety_checksum,
+              "of the safety configuration with which the arm may move, as `setup` writes it; empty: any")},
        nest("rtde", fields(o.rtde)),
        nest("script", fields(o.script))});
 }

@@ -22,6 +22,9 @@ struct UrArmOptions {
   double time_slack = 3.0;     ///< extra time [s]
   double pause_limit = 300.0;  ///< time [s] that a user may pause a motion
   double stop_timeout = 2.0;   ///< time [s] until the arm stands
+  /// Checksum of the safety configuration with which motions are allowed, eight hexadecimal digits; empty:
+  /// with any.
+  std::string safety_checksum;
   RtdeOptions rtde;
   ScriptOptions script;
 };
@@ -37,7 +40,8 @@ class UrArm : public Arm {
  public:
   /// `T_W_R` and `T_F_T` as calibrated. `force_torque` feeds guarded motions; without it they are refused. It
   /// must outlive the arm and is read by the thread that calls `follow_guarded`.
-  /// @throws DeviceError: see RtdeClient and PrimaryClient; PolyScope X (version 10) is refused.
+  /// @throws DeviceError: see RtdeClient and PrimaryClient; PolyScope X (version 10) is refused, and a
+  /// controller whose safety configuration has another checksum than the options, or none.
   UrArm(const RobotModel& robot, const UrArmOptions& options, const Pose& T_W_R, const Pose& T_F_T,
         ForceTorqueSensor* force_torque = nullptr);
   ~UrArm() override;
@@ -56,6 +60,8 @@ class UrArm : public Arm {
   /// @throws DeviceError while the cause lasts.
   void rearm();
   [[nodiscard]] UrVersion version() const;
+  /// Checksum of the controller's safety configuration; empty where it says none.
+  [[nodiscard]] std::optional<std::uint32_t> safety_checksum() const;
   /// Outputs that this controller does not have, so that their checks are left out.
   [[nodiscard]] std::vector<std::string> missing_outputs() const;
 

@@ -10,7 +10,8 @@
 namespace stonestack::hardware {
 namespace {
 
-constexpr double kNextState = 0.05;  // s to wait for a newer status
+constexpr double kNextState = 0.05;    // s to wait for a newer status
+constexpr double kChecksumTime = 3.0;  // s: a controller sends ten states a second
 
 PrimaryOptions primary_options(const UrArmOptions& options) {
   PrimaryOptions primary;
@@ -29,6 +30,11 @@ UrLink::UrLink(const UrArmOptions& o)
       primary(o.address, primary_options(o)),
       version(rtde.version()),
       registers(first_register(version)) {
+  if (!o.safety_checksum.empty()) {
+    static_cast<void>(wait_for_safety_checksum());
+    if (const auto other = other_safety_configuration(); !other.empty())
+      throw DeviceError("UR arm at " + o.address, other, kCompareSafety);
+  }
   const UrStatus now = next_status();
   run_ = now.run > 0 && now.run < std::numeric_limits<int>::max() / 2 ? now.run : 0;
   stop_reason_ = find_safety_stop(now);
@@ -118,6 +124,14 @@ void UrLink::rearm() {
   const std::lock_guard lock(arming_mutex_);
   stop_reason_.clear();
   starved_ = false;
+}
+
+std::optional<std::uint32_t> UrLink::wait_for_safety_checksum() const {
+  return primary.wait_for_safety_checksum(Deadline::in(kChecksumTime));
+}
+
+std::string UrLink::other_safety_configuration() const {
+  return describe_other_safety(primary.safety_checksum(), options.safety_checksum);
 }
 
 std::string UrLink::explain_silence() const {

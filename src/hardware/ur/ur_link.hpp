@@ -32,6 +32,10 @@ class UrLink {
   /// controller's watchdog ends what runs.
   void starve(const std::string& reason);
   void rearm();
+  /// Why the arm may not move with the safety configuration that the controller has; empty: it may, or the
+  /// options name none.
+  [[nodiscard]] std::string other_safety_configuration() const;
+  [[nodiscard]] std::optional<std::uint32_t> wait_for_safety_checksum() const;
   /// Explains a script that did not start.
   [[nodiscard]] std::string explain_silence() const;
   [[nodiscard]] int next_run();
