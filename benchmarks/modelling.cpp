@@ -24,6 +24,7 @@ namespace {
 
 constexpr int kAlignSteps = 30;
 constexpr double kOtherSide = 0.35;  // rad between two attitudes on different sides
+constexpr double kSamePlace = 0.02;  // m between where a stone is and where its model says
 constexpr double kGate = 0.006;      // m between surfaces that are brought together to compare them
 
 /// Brings `from` to lie on `onto` (iterated closest points, point to plane), from a pose near it.
@@ -69,7 +70,8 @@ struct ModellingCommand {
 
 /// Sums over all runs.
 struct ModellingTally {
-  int wanted = 0, modelled = 0, lies_otherwise = 0, turned = 0, within = 0, stopped = 0, foreign = 0;
+  int wanted = 0, modelled = 0, lies_otherwise = 0, turned = 0, placed = 0, within = 0, stopped = 0,
+      foreign = 0;
   std::vector<double> median, worst, seconds, host;
 };
 
@@ -105,12 +107,14 @@ void model_run(const ModellingCommand& command, std::uint64_t seed, const std::v
   for (std::size_t k = 0; k < field.stones.size(); ++k) {
     const auto& made = field.stones[k];
     // The stones first, then the objects that are in no catalogue.
-    const Eigen::Vector3d p_W = made.T_W_O_first.translation();
-    const auto nearest =
-        std::min_element(T_W_O_first.begin(), T_W_O_first.end(), [&](const Pose& a, const Pose& b) {
-          return (a.translation() - p_W).norm() < (b.translation() - p_W).norm();
-        });
-    const auto index = static_cast<std::size_t>(nearest - T_W_O_first.begin());
+    const bool from_first = made.T_W_O_first.has_value();
+    const Pose T_W_model = from_first ? *made.T_W_O_first : made.T_W_O.value_or(Pose::Identity());
+    const std::vector<Pose>& lay = from_first ? T_W_O_first : T_W_O;
+    const auto nearest = std::min_element(lay.begin(), lay.end(), [&](const Pose& a, const Pose& b) {
+      return (a.translation() - T_W_model.translation()).norm() <
+             (b.translation() - T_W_model.translation()).norm();
+    });
+    const auto index = static_cast<std::size_t>(nearest - lay.begin());
     if (index >= truth.size()) {
       ++tally.foreign;
       continue;
@@ -118,15 +122,17 @@ void model_run(const ModellingCommand& command, std::uint64_t seed, const std::v
     const Stone& is = truth[index];
     const Mesh& model = field.catalogue.stones[k].scan;
     const SurfaceTree surface(is.scan);
-    const Pose T_true_model = aligned(model, surface, nearest->inverse() * made.T_W_O_first);
+    const Pose T_true_model = aligned(model, surface, nearest->inverse() * T_W_model);
     const std::vector<double> off = distances(model, is.scan, T_true_model);
     const double median = quantile(off, 0.5), most = quantile(off, 0.95);
     const double volume_error = volume(model) / volume(is.scan) - 1.0;
     ++tally.modelled;
     tally.turned += made.turned ? 1 : 0;
-    const Eigen::Vector3d up_O = nearest->linear().transpose() * Eigen::Vector3d::UnitZ();
+    const Eigen::Vector3d up_O = T_W_O_first[index].linear().transpose() * Eigen::Vector3d::UnitZ();
     const double tilt = std::acos(std::clamp((T_W_O[index].linear() * up_O).z(), -1.0, 1.0));
     tally.lies_otherwise += tilt > kOtherSide ? 1 : 0;
+    tally.placed +=
+        made.T_W_O && (made.T_W_O->translation() - T_W_O[index].translation()).norm() < kSamePlace;
     tally.within += median <= 0.0007 && most <= 0.002 ? 1 : 0;
     tally.median.push_back(median);
     tally.worst.push_back(most);
@@ -164,6 +170,7 @@ void measure_modelling(const ModellingCommand& command, Results& results) {
                         {"modelled"},
                         {"lie_otherwise"},
                         {"turned"},
+                        {"where_said"},
                         {"within_marks"},
                         {"runs_stopped"},
                         {"foreign"},
@@ -172,9 +179,9 @@ void measure_modelling(const ModellingCommand& command, Results& results) {
                         {"robot_seconds_a_stone", 0},
                         {"host_seconds_a_run", 0}});
   const auto mid = [](const std::vector<double>& list) { return list.empty() ? 0.0 : quantile(list, 0.5); };
-  results.row({tally.wanted, tally.modelled, tally.lies_otherwise, tally.turned, tally.within, tally.stopped,
-               tally.foreign, 1e3 * mid(tally.median), 1e3 * mid(tally.worst), mid(tally.seconds),
-               mid(tally.host)});
+  results.row({tally.wanted, tally.modelled, tally.lies_otherwise, tally.turned, tally.placed, tally.within,
+               tally.stopped, tally.foreign, 1e3 * mid(tally.median), 1e3 * mid(tally.worst),
+               mid(tally.seconds), mid(tally.host)});
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/constants.hpp"
 #include "core/quantile.hpp"
@@ -44,6 +45,8 @@ struct Candidate {
   Stone stone;
   Pose T_W_O;                               ///< of `stone`: where it is, or should have come to lie
   bool moved = false;                       ///< since it was recognised last
+  bool found_again = false;                 ///< in the second survey
+  bool of_second = false;                   ///< `model` shows the second survey alone: O of it is W of that
   bool let_go = false;                      ///< it was set down otherwise than it lay, if all went as planned
   std::optional<Eigen::Vector2d> p_W_seen;  ///< middle of what was seen of it once it was moved
   std::vector<Mesh> seen_W;  ///< hulls of what was seen of it, down to the table, once it was moved
@@ -384,9 +387,66 @@ std::vector<SurfaceElement> unseen_surface(const std::vector<Candidate>& candida
   return elements;
 }
 
+/// Models a stone from the second survey alone where it shares too little with what was seen of it before: it
+/// was turned upside down. Its other side is lost, but it can be found and picked as it lies.
+void model_as_it_lies(const AlignedScene& second, const CellLayout& layout, const ModelFieldOptions& options,
+                      Candidate& candidate, std::vector<bool>& taken) {
+  candidate.made.note = "not recognised after it was turned: modelled from one side";
+  int object = -1;
+  double nearest = kSameObject;
+  for (int k = 0; k < static_cast<int>(taken.size()); ++k) {
+    const double off = (middle_of(second, k).head<2>() - place_of(candidate)).norm();
+    if (!taken[static_cast<std::size_t>(k)] && off < nearest && unfit(second, k, layout).empty())
+      nearest = off, object = k;
+  }
+  if (candidate.moved && object >= 0) {
+    const LyingObject lying{&second, object};
+    ObjectModel alone = modelling::model_object({&lying, 1}, options.modelling);
+    try {
+      candidate.stone = stone_of(alone, candidate.made, options);
+      candidate.model = std::move(alone);
+      candidate.T_W_O = candidate.stone.T_O_file.inverse();
+      candidate.moved = false;
+      candidate.of_second = true;
+      taken[static_cast<std::size_t>(object)] = true;
+      describe(candidate);
+      return;
+    } catch (const FileError& problem) {
+      log_debug(concat(candidate.stone.name, ", as it lies: ", problem.what()));
+    }
+  }
+  if (!candidate.made.mass) return;  // its shape is as before, its mass is known better
+  const Pose T_W_model_before = candidate.T_W_O * candidate.stone.T_O_file;
+  candidate.stone = stone_of(candidate.model, candidate.made, options);
+  candidate.T_W_O = T_W_model_before * candidate.stone.T_O_file.inverse();
+}
+
+/// Models a stone from both surveys; false, and the stone as before, where both together are no stone: they
+/// do not show the same one, or not in that pose.
+bool join(const AlignedScene& first, const AlignedScene& second, int object, const Pose& T_W_O,
+          const ModelFieldOptions& options, Candidate& candidate) {
+  const LyingObject lying[] = {{&first, candidate.object, Pose::Identity()}, {&second, object, T_W_O}};
+  ObjectModel both = modelling::model_object(lying, options.modelling);
+  try {
+    candidate.stone = stone_of(both, candidate.made, options);
+  } catch (const FileError& problem) {
+    log_debug(concat(candidate.stone.name, ", of both surveys: ", problem.what()));
+    return false;
+  }
+  candidate.model = std::move(both);
+  candidate.made.turned = (T_W_O.linear() * Eigen::Vector3d::UnitZ()).z() < std::cos(kOtherAttitude);
+  if (candidate.let_go && !candidate.made.turned)
+    candidate.made.note = "fell back on the side on which it lay";
+  candidate.T_W_O = T_W_O * candidate.stone.T_O_file.inverse();
+  candidate.moved = false;
+  candidate.found_again = true;
+  describe(candidate);
+  return true;
+}
+
 /// Models the stones anew with what the second survey shows of them.
-void model_again(const AlignedScene& first, const AlignedScene& second, const ModelFieldOptions& options,
-                 std::vector<Candidate>& candidates) {
+void model_again(const AlignedScene& first, const AlignedScene& second, const CellLayout& layout,
+                 const ModelFieldOptions& options, std::vector<Candidate>& candidates) {
   std::vector<bool> taken(second.segmentation.objects.size(), false);
   for (Candidate& candidate : candidates) {
     throw_if_interrupted();
@@ -403,27 +463,12 @@ void model_again(const AlignedScene& first, const AlignedScene& second, const Mo
     log_debug(concat(candidate.stone.name, ": ",
                      best ? concat("found, agreement ", best->agreement, ", apart ", best->apart * 1e3, " mm")
                           : std::string("not found")));
-    if (!best) {
-      candidate.made.note = "not recognised after it was turned: modelled from one side";
-      if (candidate.made.mass) {  // its shape is as before, its mass is known better
-        const Pose T_W_model_before = candidate.T_W_O * candidate.stone.T_O_file;
-        candidate.stone = stone_of(candidate.model, candidate.made, options);
-        candidate.T_W_O = T_W_model_before * candidate.stone.T_O_file.inverse();
-      }
-      continue;
-    }
+    if (!best) continue;
+    if (!join(first, second, best_object, best->T_W_O, options, candidate)) continue;
     taken[static_cast<std::size_t>(best_object)] = true;
-    const LyingObject lying[] = {{&first, candidate.object, Pose::Identity()},
-                                 {&second, best_object, best->T_W_O}};
-    candidate.made.turned = (best->T_W_O.linear() * Eigen::Vector3d::UnitZ()).z() < std::cos(kOtherAttitude);
-    if (candidate.let_go && !candidate.made.turned)
-      candidate.made.note = "fell back on the side on which it lay";
-    candidate.model = modelling::model_object(lying, options.modelling);
-    candidate.stone = stone_of(candidate.model, candidate.made, options);
-    candidate.T_W_O = best->T_W_O * candidate.stone.T_O_file.inverse();
-    candidate.moved = false;
-    describe(candidate);
   }
+  for (Candidate& candidate : candidates)
+    if (!candidate.found_again) model_as_it_lies(second, layout, options, candidate, taken);
 }
 
 /// Route to a view of the whole field from which a run can begin, which does not know the field yet: not with
@@ -476,7 +521,7 @@ void see_other_sides(Cell& here, const RobotModel& robot, const AlignedScene& fi
                                       options.turned_views, options.view_distance, options.motion, journal);
     field.views += static_cast<int>(second_survey.size());
     const AlignedScene second = align(second_survey, options, here.layout);
-    model_again(first, second, options, candidates);
+    model_again(first, second, here.layout, options, candidates);
   }
   record(journal, StepBegun{"leave the field"});
   leave_field(here, scene_with(here.layout, robot, candidates, others), p_W_field, options);
@@ -513,7 +558,7 @@ ModelledField model_field(Cell& cell, const RobotModel& robot, const ModelFieldO
     field.interrupted = true;
   }
   for (Candidate& candidate : candidates) {
-    candidate.made.T_W_O_first = candidate.stone.T_O_file.inverse();
+    if (!candidate.of_second) candidate.made.T_W_O_first = candidate.stone.T_O_file.inverse();
     if (!candidate.moved)
       candidate.made.T_W_O = candidate.T_W_O;
     else if (candidate.made.note.empty())

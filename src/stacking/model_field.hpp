@@ -33,8 +33,9 @@ struct ModelledStone {
   double sigma = 0.0;                         ///< median standard deviation of its surface [m]
   int views = 0;                              ///< that show it
   std::optional<double> mass = std::nullopt;  ///< weighed in the gripper [kg]; empty: from the density
-  Pose T_W_O_first = Pose::Identity();        ///< where it lay before anything was moved
-  std::optional<Pose> T_W_O = std::nullopt;   ///< where it lies at the end; empty: it was not recognised
+  /// Where it lay before anything was moved; empty for a stone of which only the other side is modelled.
+  std::optional<Pose> T_W_O_first = std::nullopt;
+  std::optional<Pose> T_W_O = std::nullopt;  ///< where it lies at the end; empty: it was not found
 };
 
 /// "stone_1": name of the modelled stone `number`, from 1.
@@ -55,8 +56,9 @@ struct ModelledField {
 
 /// Looks at the field from several sides, parts and models what lies there, sets each stone down on another
 /// of its sides and looks again, so that its underside is seen, too. Only what stands free, whole and within
-/// what the gripper can hold becomes a stone. Nothing is moved that was not modelled. Once there are models,
-/// a stop of the arm or an interruption ends it with these.
+/// what the gripper can hold becomes a stone; one of which both looks share too little to be joined is
+/// modelled as it lies in the end. Nothing is moved that was not modelled. Once there are models, a stop of
+/// the arm or an interruption ends it with these.
 /// @throws DeviceError when no view is reached or the arm stops before; Interrupted before.
 [[nodiscard]] ModelledField model_field(Cell& cell, const RobotModel& robot,
                                         const ModelFieldOptions& options = {}, Journal* journal = nullptr);
