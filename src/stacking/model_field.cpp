@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "core/constants.hpp"
-#include "core/quantile.hpp"
 #include "geometry/convex_pieces.hpp"
 #include "geometry/surface_tree.hpp"
 #include "motion/collision.hpp"
@@ -13,6 +12,7 @@
 #include "stacking/arrangement.hpp"
 #include "stacking/back_away.hpp"
 #include "stacking/execute.hpp"
+#include "stacking/model_again.hpp"
 #include "stacking/mount_correction.hpp"
 #include "stacking/record.hpp"
 #include "stacking/survey.hpp"
@@ -29,46 +29,17 @@ using modelling::LyingObject;
 using modelling::ObjectModel;
 
 constexpr double kFieldHeight = 0.04;      // m: where the camera points at the field
-constexpr double kBesideField = 0.06;      // m beyond it: stones roll
-constexpr double kMinConfidence = 0.5;     // of an object, that it is one and whole
 constexpr double kLeavingDistance = 0.62;  // m from the camera to the field
 constexpr double kMinGain = 0.3;           // of the unseen area, that a stone is turned for
 constexpr double kVisible = -0.25;         // z of a normal: flatter undersides are seen by no camera
 constexpr double kRollsAway = 0.30;        // m from where a stone was let go of to where it may have rolled
-constexpr double kOtherAttitude = 0.35;    // rad between two attitudes on different sides
-constexpr double kSameObject = 0.12;       // m between where an object is expected and seen
-
-/// One stone while it is being modelled. O of the model is W of the first survey.
-struct Candidate {
-  int object = 0;  ///< in the first scene
-  ObjectModel model;
-  Stone stone;
-  Pose T_W_O;                               ///< of `stone`: where it is, or should have come to lie
-  bool moved = false;                       ///< since it was recognised last
-  bool found_again = false;                 ///< in the second survey
-  bool of_second = false;                   ///< `model` shows the second survey alone: O of it is W of that
-  bool let_go = false;                      ///< it was set down otherwise than it lay, if all went as planned
-  std::optional<Eigen::Vector2d> p_W_seen;  ///< middle of what was seen of it once it was moved
-  std::vector<Mesh> seen_W;  ///< hulls of what was seen of it, down to the table, once it was moved
-  ModelledStone made;
-};
-
-/// Where it was seen last, or should lie, seen from above.
-Eigen::Vector2d place_of(const Candidate& candidate) {
-  return candidate.p_W_seen.value_or(candidate.T_W_O.translation().head<2>());
-}
-
-Eigen::Vector3d middle_of(const AlignedScene& scene, int object) {
-  const auto& seen = scene.segmentation.objects[static_cast<std::size_t>(object)];
-  return scene.views.front().T_W_C * seen.p_C_middle;
-}
 
 /// Corrects the camera's mount and the table's height by views that agree, then moves these to where arm and
 /// mount say that they are, all told.
 void refine_mount(const std::vector<SurveyView>& reported, AlignedScene& scene, CellLayout& layout) {
   std::vector<Eigen::Vector3d> marks;
   for (int object = 0; object < static_cast<int>(scene.segmentation.objects.size()); ++object)
-    marks.push_back(middle_of(scene, object));
+    marks.push_back(middle_of_object(scene, object));
   if (marks.empty()) return;
   const Plane table{Eigen::Vector3d::UnitZ(), 0.0};
   std::vector<MountView> mounts;
@@ -121,64 +92,37 @@ AlignedScene align(const std::vector<SurveyView>& survey, const ModelFieldOption
   return scene;
 }
 
-/// Why an object is not made a stone of; empty if it is.
-std::string unfit(const AlignedScene& scene, int object, const CellLayout& layout) {
-  const auto& seen = scene.segmentation.objects[static_cast<std::size_t>(object)];
-  const Eigen::Vector2d off =
-      (middle_of(scene, object).head<2>() - layout.field_centre).cwiseAbs() - 0.5 * layout.field_size;
-  if (off.maxCoeff() > kBesideField) return "lies beside the field";
-  if (seen.cut_off && seen.views < 2) return "is seen in part only";
-  if (seen.views == 1 && scene.views.size() > 2)
-    return concat("is seen in one of ", scene.views.size(), " views only");
-  if (seen.confidence < kMinConfidence)
-    return concat("may be several or a part of one: confidence ", seen.confidence);
-  return {};
-}
-
-Stone stone_of(const ObjectModel& model, const ModelledStone& made, const ModelFieldOptions& options) {
-  ModelOptions stone;
-  stone.density = options.stone.density;
-  stone.friction = options.stone.friction;
-  stone.mass = made.mass.value_or(0.0);
-  return model_stone(model.mesh, made.name, "modelled by the arm's camera", stone).stone;
-}
-
-void describe(Candidate& candidate) {
-  candidate.made.seen_share = candidate.model.seen_share;
-  candidate.made.views = candidate.model.views;
-  candidate.made.sigma = quantile(candidate.model.sigma, 0.5);
-}
-
-std::vector<Candidate> model_first(const AlignedScene& scene, const CellLayout& layout,
-                                   const GripperModel& gripper, const ModelFieldOptions& options,
-                                   std::vector<std::string>& left_out) {
-  std::vector<Candidate> candidates;
+std::vector<StoneCandidate> model_first(const AlignedScene& scene, const CellLayout& layout,
+                                        const GripperModel& gripper, const ModelFieldOptions& options,
+                                        std::vector<std::string>& left_out) {
+  std::vector<StoneCandidate> candidates;
   for (int object = 0; object < static_cast<int>(scene.segmentation.objects.size()); ++object) {
     throw_if_interrupted();
     const auto& seen = scene.segmentation.objects[static_cast<std::size_t>(object)];
-    log_debug(concat("object at (", middle_of(scene, object).transpose(), ") m, size ", seen.size.transpose(),
-                     " m, ", seen.pixels, " pixels in ", seen.views, " views, confidence ", seen.confidence));
-    std::string why = unfit(scene, object, layout);
+    log_debug(concat("object at (", middle_of_object(scene, object).transpose(), ") m, size ",
+                     seen.size.transpose(), " m, ", seen.pixels, " pixels in ", seen.views,
+                     " views, confidence ", seen.confidence));
+    std::string why = unfit_object(scene, object, layout);
     if (why.empty()) {
-      Candidate candidate;
+      StoneCandidate candidate;
       candidate.object = object;
       const LyingObject lying{&scene, object};
       candidate.model = modelling::model_object({&lying, 1}, options.modelling);
       candidate.made.name = modelled_name(candidates.size() + 1);
       try {
-        candidate.stone = stone_of(candidate.model, candidate.made, options);
+        candidate.stone = stone_of_model(candidate.model, candidate.made, options);
         candidate.T_W_O = candidate.stone.T_O_file.inverse();
         why = unfit_for_gripper(candidate.stone, gripper);
       } catch (const FileError& problem) {
         why = problem.what();
       }
       if (why.empty()) {
-        describe(candidate);
+        describe_model(candidate);
         candidates.push_back(std::move(candidate));
         continue;
       }
     }
-    const Eigen::Vector3d at = middle_of(scene, object);
+    const Eigen::Vector3d at = middle_of_object(scene, object);
     left_out.push_back(concat("object at (", at.x(), ", ", at.y(), ") m: ", why));
   }
   return candidates;
@@ -214,10 +158,10 @@ Mesh hull_to_table(const Cloud& cloud_C, const Pose& T_W_C) {
 }
 
 /// Obstacles for objects that no stone was made of: as far as they are seen, down to the table.
-std::vector<Obstacle> obstacles_of(const AlignedScene& scene, const std::vector<Candidate>& candidates) {
+std::vector<Obstacle> obstacles_of(const AlignedScene& scene, const std::vector<StoneCandidate>& candidates) {
   std::vector<Obstacle> others;
   for (int object = 0; object < static_cast<int>(scene.segmentation.objects.size()); ++object) {
-    if (std::any_of(candidates.begin(), candidates.end(), [&](const Candidate& candidate) {
+    if (std::any_of(candidates.begin(), candidates.end(), [&](const StoneCandidate& candidate) {
           return candidate.object == object || is_part_of(scene, object, candidate.model);
         }))
       continue;
@@ -231,9 +175,9 @@ std::vector<Obstacle> obstacles_of(const AlignedScene& scene, const std::vector<
 }
 
 PlanningScene scene_with(const CellLayout& layout, const RobotModel& robot,
-                         const std::vector<Candidate>& candidates, const std::vector<Obstacle>& others) {
+                         const std::vector<StoneCandidate>& candidates, const std::vector<Obstacle>& others) {
   PlanningScene scene = make_planning_scene(layout, robot, {}, {});
-  for (const Candidate& candidate : candidates)
+  for (const StoneCandidate& candidate : candidates)
     scene.objects.push_back(candidate.seen_W.empty()
                                 ? SceneObject{candidate.stone.name, candidate.stone.pieces, candidate.T_W_O}
                                 : SceneObject{candidate.stone.name, candidate.seen_W, Pose::Identity()});
@@ -242,7 +186,7 @@ PlanningScene scene_with(const CellLayout& layout, const RobotModel& robot,
 }
 
 /// Area of the unseen surface that a camera above the table sees with the stone turned by R_W_O.
-double area_shown(const Candidate& candidate, const Eigen::Matrix3d& R_W_O) {
+double area_shown(const StoneCandidate& candidate, const Eigen::Matrix3d& R_W_O) {
   double area = 0.0;
   const Mesh& mesh = candidate.model.mesh;
   for (const auto& face : mesh.faces) {
@@ -257,14 +201,14 @@ double area_shown(const Candidate& candidate, const Eigen::Matrix3d& R_W_O) {
   return area;
 }
 
-double unseen_area(const Candidate& candidate) {
+double unseen_area(const StoneCandidate& candidate) {
   return (1.0 - candidate.model.seen_share) * surface_area(candidate.model.mesh);
 }
 
 /// Sets a stone down on another of its sides.
 class Turner {
  public:
-  Turner(Cell& cell, const PlanningScene& scene, std::vector<Candidate>& candidates,
+  Turner(Cell& cell, const PlanningScene& scene, std::vector<StoneCandidate>& candidates,
          const std::vector<Obstacle>& others, const ModelFieldOptions& options, Journal* journal)
       : cell_(cell),
         scene_(scene),
@@ -273,7 +217,7 @@ class Turner {
         options_(options),
         journal_(journal) {}
 
-  void turn(Candidate& candidate, int object) {
+  void turn(StoneCandidate& candidate, int object) {
     PickAndPlaceTask task;
     task.stone = &candidate.stone;
     task.object = object;
@@ -304,7 +248,7 @@ class Turner {
  private:
   /// One view from above of a stone that may lie otherwise than planned: from then on it is what is seen of
   /// it.
-  void look_where_it_lies(Candidate& candidate, int object) {
+  void look_where_it_lies(StoneCandidate& candidate, int object) {
     PlanningScene scene = scene_;
     auto& lies = scene.objects[static_cast<std::size_t>(object)];
     lies.T_W_object = candidate.T_W_O;
@@ -321,7 +265,7 @@ class Turner {
       const Eigen::Vector2d p_W_one = (taken.view.T_W_C * one.p_C_middle).head<2>();
       const bool is_anothers =
           std::any_of(candidates_.begin(), candidates_.end(),
-                      [&](const Candidate& other) {
+                      [&](const StoneCandidate& other) {
                         return &other != &candidate && shows(one.cloud_C, taken.view.T_W_C, meshes_of(other));
                       }) ||
           std::any_of(others_.begin(), others_.end(), [&](const Obstacle& other) {
@@ -334,7 +278,7 @@ class Turner {
   }
 
   /// A stone where it was seen last, in W.
-  static std::vector<Mesh> meshes_of(const Candidate& stone) {
+  static std::vector<Mesh> meshes_of(const StoneCandidate& stone) {
     return stone.seen_W.empty() ? std::vector<Mesh>{stone.model.mesh} : stone.seen_W;
   }
   /// True for a cloud that mostly shows one of these.
@@ -345,7 +289,7 @@ class Turner {
 
   /// Ways that bring much of what was not seen to light, those that show most first; of equal ones those that
   /// set the stone down before those that let it fall over.
-  [[nodiscard]] std::vector<TurnTo> ways_to_show(const Candidate& candidate) const {
+  [[nodiscard]] std::vector<TurnTo> ways_to_show(const StoneCandidate& candidate) const {
     const double unseen = unseen_area(candidate);
     std::vector<std::pair<int, TurnTo>> ranked;
     for (const TurnTo& way : ways_to_turn(candidate.stone, Eigen::Quaterniond(candidate.T_W_O.linear()))) {
@@ -361,16 +305,16 @@ class Turner {
 
   Cell& cell_;
   const PlanningScene& scene_;
-  std::vector<Candidate>& candidates_;
+  std::vector<StoneCandidate>& candidates_;
   const std::vector<Obstacle>& others_;  ///< objects that no stone was made of
   const ModelFieldOptions& options_;
   Journal* journal_;
 };
 
 /// Unseen surface of all stones where they lie now.
-std::vector<SurfaceElement> unseen_surface(const std::vector<Candidate>& candidates) {
+std::vector<SurfaceElement> unseen_surface(const std::vector<StoneCandidate>& candidates) {
   std::vector<SurfaceElement> elements;
-  for (const Candidate& candidate : candidates) {
+  for (const StoneCandidate& candidate : candidates) {
     const Mesh& mesh = candidate.model.mesh;
     const Pose T_W_model = candidate.T_W_O * candidate.stone.T_O_file;
     for (const auto& face : mesh.faces) {
@@ -385,90 +329,6 @@ std::vector<SurfaceElement> unseen_surface(const std::vector<Candidate>& candida
     }
   }
   return elements;
-}
-
-/// Models a stone from the second survey alone where it shares too little with what was seen of it before: it
-/// was turned upside down. Its other side is lost, but it can be found and picked as it lies.
-void model_as_it_lies(const AlignedScene& second, const CellLayout& layout, const ModelFieldOptions& options,
-                      Candidate& candidate, std::vector<bool>& taken) {
-  candidate.made.note = "not recognised after it was turned: modelled from one side";
-  int object = -1;
-  double nearest = kSameObject;
-  for (int k = 0; k < static_cast<int>(taken.size()); ++k) {
-    const double off = (middle_of(second, k).head<2>() - place_of(candidate)).norm();
-    if (!taken[static_cast<std::size_t>(k)] && off < nearest && unfit(second, k, layout).empty())
-      nearest = off, object = k;
-  }
-  if (candidate.moved && object >= 0) {
-    const LyingObject lying{&second, object};
-    ObjectModel alone = modelling::model_object({&lying, 1}, options.modelling);
-    try {
-      candidate.stone = stone_of(alone, candidate.made, options);
-      candidate.model = std::move(alone);
-      candidate.T_W_O = candidate.stone.T_O_file.inverse();
-      candidate.moved = false;
-      candidate.of_second = true;
-      taken[static_cast<std::size_t>(object)] = true;
-      describe(candidate);
-      return;
-    } catch (const FileError& problem) {
-      log_debug(concat(candidate.stone.name, ", as it lies: ", problem.what()));
-    }
-  }
-  if (!candidate.made.mass) return;  // its shape is as before, its mass is known better
-  const Pose T_W_model_before = candidate.T_W_O * candidate.stone.T_O_file;
-  candidate.stone = stone_of(candidate.model, candidate.made, options);
-  candidate.T_W_O = T_W_model_before * candidate.stone.T_O_file.inverse();
-}
-
-/// Models a stone from both surveys; false, and the stone as before, where both together are no stone: they
-/// do not show the same one, or not in that pose.
-bool join(const AlignedScene& first, const AlignedScene& second, int object, const Pose& T_W_O,
-          const ModelFieldOptions& options, Candidate& candidate) {
-  const LyingObject lying[] = {{&first, candidate.object, Pose::Identity()}, {&second, object, T_W_O}};
-  ObjectModel both = modelling::model_object(lying, options.modelling);
-  try {
-    candidate.stone = stone_of(both, candidate.made, options);
-  } catch (const FileError& problem) {
-    log_debug(concat(candidate.stone.name, ", of both surveys: ", problem.what()));
-    return false;
-  }
-  candidate.model = std::move(both);
-  candidate.made.turned = (T_W_O.linear() * Eigen::Vector3d::UnitZ()).z() < std::cos(kOtherAttitude);
-  if (candidate.let_go && !candidate.made.turned)
-    candidate.made.note = "fell back on the side on which it lay";
-  candidate.T_W_O = T_W_O * candidate.stone.T_O_file.inverse();
-  candidate.moved = false;
-  candidate.found_again = true;
-  describe(candidate);
-  return true;
-}
-
-/// Models the stones anew with what the second survey shows of them.
-void model_again(const AlignedScene& first, const AlignedScene& second, const CellLayout& layout,
-                 const ModelFieldOptions& options, std::vector<Candidate>& candidates) {
-  std::vector<bool> taken(second.segmentation.objects.size(), false);
-  for (Candidate& candidate : candidates) {
-    throw_if_interrupted();
-    const Pose T_W_model = candidate.T_W_O * candidate.stone.T_O_file;
-    std::optional<modelling::FoundObject> best;
-    int best_object = -1;
-    for (int object = 0; object < static_cast<int>(taken.size()); ++object) {
-      if (taken[static_cast<std::size_t>(object)] ||
-          (middle_of(second, object).head<2>() - place_of(candidate)).norm() > kSameObject)
-        continue;
-      const auto found = modelling::find_turned(candidate.model, {&second, object, T_W_model});
-      if (found && (!best || found->agreement > best->agreement)) best = found, best_object = object;
-    }
-    log_debug(concat(candidate.stone.name, ": ",
-                     best ? concat("found, agreement ", best->agreement, ", apart ", best->apart * 1e3, " mm")
-                          : std::string("not found")));
-    if (!best) continue;
-    if (!join(first, second, best_object, best->T_W_O, options, candidate)) continue;
-    taken[static_cast<std::size_t>(best_object)] = true;
-  }
-  for (Candidate& candidate : candidates)
-    if (!candidate.found_again) model_as_it_lies(second, layout, options, candidate, taken);
 }
 
 /// Route to a view of the whole field from which a run can begin, which does not know the field yet: not with
@@ -505,7 +365,7 @@ void leave_field(Cell& cell, PlanningScene scene, const Eigen::Vector3d& p_W_fie
 /// Turns every stone over, looks again, and completes the models; then the arm leaves the field.
 void see_other_sides(Cell& here, const RobotModel& robot, const AlignedScene& first,
                      const Eigen::Vector3d& p_W_field, const ModelFieldOptions& options, Journal* journal,
-                     std::vector<Candidate>& candidates, ModelledField& field) {
+                     std::vector<StoneCandidate>& candidates, ModelledField& field) {
   const std::vector<Obstacle> others = obstacles_of(first, candidates);
   if (options.turned_views > 0 && !candidates.empty()) {
     for (std::size_t k = 0; k < candidates.size(); ++k) {
@@ -557,7 +417,7 @@ ModelledField model_field(Cell& cell, const RobotModel& robot, const ModelFieldO
   } catch (const Interrupted&) {
     field.interrupted = true;
   }
-  for (Candidate& candidate : candidates) {
+  for (StoneCandidate& candidate : candidates) {
     if (!candidate.of_second) candidate.made.T_W_O_first = candidate.stone.T_O_file.inverse();
     if (!candidate.moved)
       candidate.made.T_W_O = candidate.T_W_O;

@@ -1,0 +1,144 @@
+#include "stacking/model_again.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/quantile.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/log.hpp"
+
+namespace stonestack::stacking {
+namespace {
+
+using modelling::AlignedScene;
+using modelling::LyingObject;
+using modelling::ObjectModel;
+
+constexpr double kBesideField = 0.06;    // m beyond it: stones roll
+constexpr double kMinConfidence = 0.5;   // of an object, that it is one and whole
+constexpr double kOtherAttitude = 0.35;  // rad between two attitudes on different sides
+constexpr double kSameObject = 0.12;     // m between where an object is expected and seen
+
+/// Models a stone from the second survey alone where it shares too little with what was seen of it before: it
+/// was turned upside down. Its other side is lost, but it can be found and picked as it lies.
+void model_as_it_lies(const AlignedScene& second, const CellLayout& layout, const ModelFieldOptions& options,
+                      StoneCandidate& candidate, std::vector<bool>& taken) {
+  candidate.made.note = "not recognised after it was turned: modelled from one side";
+  int object = -1;
+  double nearest = kSameObject;
+  for (int k = 0; k < static_cast<int>(taken.size()); ++k) {
+    const double off = (middle_of_object(second, k).head<2>() - place_on_table(candidate)).norm();
+    if (!taken[static_cast<std::size_t>(k)] && off < nearest && unfit_object(second, k, layout).empty())
+      nearest = off, object = k;
+  }
+  if (candidate.moved && object >= 0) {
+    const LyingObject lying{&second, object};
+    ObjectModel alone = modelling::model_object({&lying, 1}, options.modelling);
+    try {
+      candidate.stone = stone_of_model(alone, candidate.made, options);
+      candidate.model = std::move(alone);
+      candidate.T_W_O = candidate.stone.T_O_file.inverse();
+      candidate.moved = false;
+      candidate.of_second = true;
+      taken[static_cast<std::size_t>(object)] = true;
+      describe_model(candidate);
+      return;
+    } catch (const FileError& problem) {
+      log_debug(concat(candidate.stone.name, ", as it lies: ", problem.what()));
+    }
+  }
+  if (!candidate.made.mass) return;  // its shape is as before, its mass is known better
+  const Pose T_W_model_before = candidate.T_W_O * candidate.stone.T_O_file;
+  candidate.stone = stone_of_model(candidate.model, candidate.made, options);
+  candidate.T_W_O = T_W_model_before * candidate.stone.T_O_file.inverse();
+}
+
+/// Models a stone from both surveys; false, and the stone as before, where both together are no stone: they
+/// do not show the same one, or not in that pose.
+bool join(const AlignedScene& first, const AlignedScene& second, int object, const Pose& T_W_O,
+          const ModelFieldOptions& options, StoneCandidate& candidate) {
+  const LyingObject lying[] = {{&first, candidate.object, Pose::Identity()}, {&second, object, T_W_O}};
+  ObjectModel both = modelling::model_object(lying, options.modelling);
+  try {
+    candidate.stone = stone_of_model(both, candidate.made, options);
+  } catch (const FileError& problem) {
+    log_debug(concat(candidate.stone.name, ", of both surveys: ", problem.what()));
+    return false;
+  }
+  candidate.model = std::move(both);
+  candidate.made.turned = (T_W_O.linear() * Eigen::Vector3d::UnitZ()).z() < std::cos(kOtherAttitude);
+  if (candidate.let_go && !candidate.made.turned)
+    candidate.made.note = "fell back on the side on which it lay";
+  candidate.T_W_O = T_W_O * candidate.stone.T_O_file.inverse();
+  candidate.moved = false;
+  candidate.found_again = true;
+  describe_model(candidate);
+  return true;
+}
+
+}  // namespace
+
+Eigen::Vector2d place_on_table(const StoneCandidate& candidate) {
+  return candidate.p_W_seen.value_or(candidate.T_W_O.translation().head<2>());
+}
+
+Eigen::Vector3d middle_of_object(const AlignedScene& scene, int object) {
+  const auto& seen = scene.segmentation.objects[static_cast<std::size_t>(object)];
+  return scene.views.front().T_W_C * seen.p_C_middle;
+}
+
+std::string unfit_object(const AlignedScene& scene, int object, const CellLayout& layout) {
+  const auto& seen = scene.segmentation.objects[static_cast<std::size_t>(object)];
+  const Eigen::Vector2d off =
+      (middle_of_object(scene, object).head<2>() - layout.field_centre).cwiseAbs() - 0.5 * layout.field_size;
+  if (off.maxCoeff() > kBesideField) return "lies beside the field";
+  if (seen.cut_off && seen.views < 2) return "is seen in part only";
+  if (seen.views == 1 && scene.views.size() > 2)
+    return concat("is seen in one of ", scene.views.size(), " views only");
+  if (seen.confidence < kMinConfidence)
+    return concat("may be several or a part of one: confidence ", seen.confidence);
+  return {};
+}
+
+Stone stone_of_model(const ObjectModel& model, const ModelledStone& made, const ModelFieldOptions& options) {
+  ModelOptions stone;
+  stone.density = options.stone.density;
+  stone.friction = options.stone.friction;
+  stone.mass = made.mass.value_or(0.0);
+  return model_stone(model.mesh, made.name, "modelled by the arm's camera", stone).stone;
+}
+
+void describe_model(StoneCandidate& candidate) {
+  candidate.made.seen_share = candidate.model.seen_share;
+  candidate.made.views = candidate.model.views;
+  candidate.made.sigma = quantile(candidate.model.sigma, 0.5);
+}
+
+void model_again(const AlignedScene& first, const AlignedScene& second, const CellLayout& layout,
+                 const ModelFieldOptions& options, std::vector<StoneCandidate>& candidates) {
+  std::vector<bool> taken(second.segmentation.objects.size(), false);
+  for (StoneCandidate& candidate : candidates) {
+    throw_if_interrupted();
+    const Pose T_W_model = candidate.T_W_O * candidate.stone.T_O_file;
+    std::optional<modelling::FoundObject> best;
+    int best_object = -1;
+    for (int object = 0; object < static_cast<int>(taken.size()); ++object) {
+      if (taken[static_cast<std::size_t>(object)] ||
+          (middle_of_object(second, object).head<2>() - place_on_table(candidate)).norm() > kSameObject)
+        continue;
+      const auto found = modelling::find_turned(candidate.model, {&second, object, T_W_model});
+      if (found && (!best || found->agreement > best->agreement)) best = found, best_object = object;
+    }
+    log_debug(concat(candidate.stone.name, ": ",
+                     best ? concat("found, agreement ", best->agreement, ", apart ", best->apart * 1e3, " mm")
+                          : std::string("not found")));
+    if (!best) continue;
+    if (!join(first, second, best_object, best->T_W_O, options, candidate)) continue;
+    taken[static_cast<std::size_t>(best_object)] = true;
+  }
+  for (StoneCandidate& candidate : candidates)
+    if (!candidate.found_again) model_as_it_lies(second, layout, options, candidate, taken);
+}
+
+}  // namespace stonestack::stacking

@@ -1,0 +1,47 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "stacking/model_field.hpp"
+#include "stonestack/modelling/model_objects.hpp"
+
+/// Private to stacking/: a stone that nobody scanned, until its model is done.
+namespace stonestack::stacking {
+
+/// One stone while it is being modelled. O of the model is W of the first survey.
+struct StoneCandidate {
+  int object = 0;  ///< in the first scene
+  modelling::ObjectModel model;
+  Stone stone;
+  Pose T_W_O;                               ///< of `stone`: where it is, or should have come to lie
+  bool moved = false;                       ///< since it was recognised last
+  bool found_again = false;                 ///< in the second survey
+  bool of_second = false;                   ///< `model` shows the second survey alone: O of it is W of that
+  bool let_go = false;                      ///< it was set down otherwise than it lay, if all went as planned
+  std::optional<Eigen::Vector2d> p_W_seen;  ///< middle of what was seen of it once it was moved
+  std::vector<Mesh> seen_W;  ///< hulls of what was seen of it, down to the table, once it was moved
+  ModelledStone made;
+};
+
+/// Where it was seen last, or should lie, seen from above.
+[[nodiscard]] Eigen::Vector2d place_on_table(const StoneCandidate& candidate);
+/// Middle of what a scene shows of an object, in W [m].
+[[nodiscard]] Eigen::Vector3d middle_of_object(const modelling::AlignedScene& scene, int object);
+/// Why an object is not made a stone of; empty if it is.
+[[nodiscard]] std::string unfit_object(const modelling::AlignedScene& scene, int object,
+                                       const CellLayout& layout);
+/// The stone of a model, with the mass that was weighed.
+/// @throws FileError for a model that is no stone
+[[nodiscard]] Stone stone_of_model(const modelling::ObjectModel& model, const ModelledStone& made,
+                                   const ModelFieldOptions& options);
+/// Writes into `made` how much of the candidate was seen, and how well.
+void describe_model(StoneCandidate& candidate);
+/// Models the stones anew with what a second survey shows of them once they were moved: joined with what was
+/// seen before where both share enough; of the second survey alone, as the stone lies, where they do not.
+/// @param first the scene that `candidates` name objects of
+void model_again(const modelling::AlignedScene& first, const modelling::AlignedScene& second,
+                 const CellLayout& layout, const ModelFieldOptions& options,
+                 std::vector<StoneCandidate>& candidates);
+
+}  // namespace stonestack::stacking
