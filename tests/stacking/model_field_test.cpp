@@ -106,7 +106,9 @@ TEST(ModelField, StonesThatNobodyScannedAreModelledTurnedAndWeighed) {
     EXPECT_EQ(made.name, model.name);
     EXPECT_TRUE(is_closed(model.scan));
     EXPECT_GT(made.seen_share, made.turned ? 0.55 : 0.4);
-    if (made.T_W_O_first) EXPECT_LT(in.off(model, is, at(in.T_W_O_first, is), *made.T_W_O_first), 0.004);
+    if (made.T_W_O_first) {
+      EXPECT_LT(in.off(model, is, at(in.T_W_O_first, is), *made.T_W_O_first), 0.004);
+    }
     if (made.T_W_O) {
       EXPECT_LT((at(in.T_W_O_last, is).translation() - made.T_W_O->translation()).norm(), 0.012);
       EXPECT_LT(in.off(model, is, at(in.T_W_O_last, is), *made.T_W_O), 0.004);

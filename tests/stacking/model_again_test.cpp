@@ -1,0 +1,116 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/quantile.hpp"
+#include "geometry/convex_pieces.hpp"
+#include "geometry/surface_tree.hpp"
+#include "modelling/seen_things.hpp"
+#include "rooms.hpp"
+#include "stacking/model_again.hpp"
+
+namespace stonestack::stacking {
+namespace {
+
+using modelling::align_scene;
+using modelling::AlignedScene;
+using modelling::LyingObject;
+using modelling::test::cameras_around;
+using modelling::test::Thing;
+using modelling::test::views_of;
+
+constexpr double kHeight = 0.04;                  // m, of the frustum ...
+constexpr double kWide = 0.055, kNarrow = 0.013;  // ... and half of its sides along x
+
+/// A frustum on its wide side: no camera above the table sees its walls once it lies on the narrow side.
+Thing frustum(bool upside_down) {
+  Mesh corners;
+  for (const double x : {-1.0, 1.0})
+    for (const double y : {-1.0, 1.0}) {
+      corners.vertices.emplace_back(kWide * x, 0.050 * y, 0.0);
+      corners.vertices.emplace_back(kNarrow * x, 0.010 * y, kHeight);
+    }
+  Thing thing{convex_hull(corners), Pose::Identity()};
+  if (upside_down)
+    thing.T_W_O = Eigen::Translation3d(0.0, 0.0, kHeight) * Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX());
+  return thing;
+}
+
+/// Candidate of a first survey for what was moved then: the turn and shift that was meant, in W.
+StoneCandidate moved_candidate(const AlignedScene& first, const Pose& meant_W) {
+  StoneCandidate candidate;
+  const LyingObject lying{&first, 0};
+  candidate.model = modelling::model_object({&lying, 1}, {});
+  candidate.made.name = "stone_1";
+  candidate.stone = stone_of_model(candidate.model, candidate.made, {});
+  candidate.T_W_O = meant_W * candidate.stone.T_O_file.inverse();
+  candidate.moved = candidate.let_go = true;
+  return candidate;
+}
+
+CellLayout layout_here() {
+  CellLayout layout;
+  layout.field_centre = Eigen::Vector2d::Zero();
+  return layout;
+}
+
+/// Distance that nine of ten points of a true surface above `z` have at most from a candidate's, as it should
+/// lie [m].
+double off_above(const Thing& truth, double z, const StoneCandidate& candidate) {
+  const SurfaceTree surface(candidate.stone.scan);
+  std::vector<double> off;
+  for (const auto& sample : sample_surface(truth.mesh, 0.005)) {
+    const Eigen::Vector3d p_W = truth.T_W_O * sample.point;
+    if (p_W.z() > z) off.push_back(std::abs(surface.nearest(candidate.T_W_O.inverse() * p_W).distance));
+  }
+  return quantile(off, 0.9);
+}
+
+TEST(ModelAgain, AStoneThatLiesUpsideDownIsModelledAsItLies) {
+  const Thing lay = frustum(false), lies = frustum(true);
+  const AlignedScene first = align_scene(views_of({lay}, cameras_around(4)));
+  const AlignedScene second = align_scene(views_of({lies}, cameras_around(4)));
+  std::vector<StoneCandidate> candidates{moved_candidate(first, lies.T_W_O * lay.T_W_O.inverse())};
+  candidates[0].made.mass = 0.7;
+  model_again(first, second, layout_here(), {}, candidates);
+  const StoneCandidate& made = candidates.front();
+  EXPECT_FALSE(made.moved) << "it is known where it lies";
+  EXPECT_TRUE(made.of_second);
+  EXPECT_FALSE(made.made.turned);
+  EXPECT_THAT(made.made.note, testing::HasSubstr("modelled from one side"));
+  EXPECT_LT(off_above(lies, kHeight - 0.005, made), 0.003);
+  EXPECT_NEAR(made.stone.mass.mass, 0.7, 1e-9) << "as it was weighed";
+}
+
+TEST(ModelAgain, AStoneOnItsSideIsJoinedFromBothLooks) {
+  const Thing lay = modelling::test::lying_stone(3, 0.0, 0.0);
+  Thing lies = lay;
+  lies.T_W_O = Eigen::AngleAxisd(1.4, Eigen::Vector3d::UnitX()) * lay.T_W_O;
+  double lowest = 1.0;
+  for (const auto& v : lies.mesh.vertices) lowest = std::min(lowest, (lies.T_W_O * v).z());
+  lies.T_W_O = Eigen::Translation3d(0.01, -0.02, -lowest) * lies.T_W_O;
+  const AlignedScene first = align_scene(views_of({lay}, cameras_around(4)));
+  const AlignedScene second = align_scene(views_of({lies}, cameras_around(4)));
+  std::vector<StoneCandidate> candidates{moved_candidate(first, lies.T_W_O * lay.T_W_O.inverse())};
+  model_again(first, second, layout_here(), {}, candidates);
+  EXPECT_TRUE(candidates[0].found_again);
+  EXPECT_FALSE(candidates[0].of_second);
+  EXPECT_TRUE(candidates[0].made.turned);
+  EXPECT_LT(off_above(lies, 0.01, candidates[0]), 0.004);
+}
+
+TEST(ModelAgain, AStoneThatIsNotSeenAnyMoreKeepsItsModelAndIsNotPlaced) {
+  const Thing lay = frustum(false);
+  Thing elsewhere = frustum(true);
+  elsewhere.T_W_O = Eigen::Translation3d(0.2, 0.0, 0.0) * elsewhere.T_W_O;
+  const AlignedScene first = align_scene(views_of({lay}, cameras_around(4)));
+  const AlignedScene second = align_scene(views_of({elsewhere}, cameras_around(4)));
+  std::vector<StoneCandidate> candidates{moved_candidate(first, Pose::Identity())};
+  const std::size_t vertices = candidates[0].model.mesh.vertices.size();
+  model_again(first, second, layout_here(), {}, candidates);
+  EXPECT_TRUE(candidates[0].moved);
+  EXPECT_EQ(candidates[0].model.mesh.vertices.size(), vertices);
+  EXPECT_THAT(candidates[0].made.note, testing::HasSubstr("not recognised"));
+}
+
+}  // namespace
+}  // namespace stonestack::stacking
