@@ -549,8 +549,10 @@ FaultOutcome run_with_fault(const FaultScene& scene, const Fault& fault, FaultPh
   if (!run.stop_seen.empty() && !outcome.stopped && run.stop_seen.find("gripper") == std::string::npos)
     run.broken(4, concat("stopped by '", run.stop_seen, "', ended as ", outcome.end));
   if (std::string why = false_claim(run, *result, run.at_look); !why.empty()) run.broken(8, why);
-  outcome.right = result->height == static_cast<int>(scene.catalogue.stones.size()) &&
-                  false_claim(run, *result, run.world.truth()).empty();
+  outcome.height = result->height;
+  outcome.false_claim = false_claim(run, *result, run.world.truth());
+  outcome.right =
+      outcome.height == static_cast<int>(scene.catalogue.stones.size()) && outcome.false_claim.empty();
   return outcome;
 }
 

@@ -54,6 +54,8 @@ struct FaultOutcome {
   bool stopped = false;                 ///< the run ended as stopped or interrupted
   std::array<std::string, 8> broken{};  ///< for each invariant why it is broken; empty: kept
   std::string end, reason;              ///< end that the run reports
+  int height = 0;                       ///< stones that the run reports to stand
+  std::string false_claim;              ///< what does not stand as reported once the run has ended; or empty
   double simulated = 0.0;               ///< [s]
   [[nodiscard]] int count() const {
     int n = 0;

@@ -70,6 +70,16 @@ FaultCount& count_of(std::vector<std::pair<std::string, FaultCount>>& counts, co
   return counts.emplace_back(name, FaultCount{}).second;
 }
 
+/// Cells with a fault that is not fatal which end without the right tower, each with the run's last line.
+void report_not_right(const std::vector<FaultCell>& cells, Results& results) {
+  results.table("not right",
+                {{"class"}, {"fault"}, {"phase"}, {"height"}, {"end"}, {"reason"}, {"true_world"}});
+  for (const FaultCell& cell : cells)
+    if (!cell.fault->fatal && !cell.outcome.right)
+      results.row({cell.fault->family, cell.fault->name, kFaultPhases[static_cast<std::size_t>(cell.phase)],
+                   cell.outcome.height, cell.outcome.end, cell.outcome.reason, cell.outcome.false_claim});
+}
+
 void measure_faults(const FaultBench& bench, Results& results) {
   FaultScene scene{read_catalogue(data_path("stones")), read_robot("ur10"), bench.seed};
   auto& stones = scene.catalogue.stones;
@@ -101,6 +111,7 @@ void measure_faults(const FaultBench& bench, Results& results) {
       if (!cell.outcome.broken[i].empty())
         results.row({cell.fault->family, cell.fault->name, kFaultPhases[static_cast<std::size_t>(cell.phase)],
                      concat("I", i + 1), cell.outcome.broken[i], cell.outcome.end, cell.outcome.reason});
+  report_not_right(cells, results);
   results.figures("totals", {{"cells", all.cells},
                              {"all_invariants_kept", all.kept},
                              {"phase_not_reached", all.not_reached},
@@ -128,6 +139,7 @@ void add_faults(CLI::App& app) {
       "I5 no\n"
       "stone let go of in the air, I6 joints within limits, I7 no foreign exception and no hang, I8 what is\n"
       "reported stands.\n"
+      "Cells with a fault that is not fatal which end without the right tower are listed as `not right`.\n"
       "Example:\n  stonestack-bench faults --only camera,robot --phase lift");
   measure_by(*sub, [bench](Results& results) { measure_faults(*bench, results); });
 }

@@ -170,6 +170,7 @@ class SimulatedGripper final : public Gripper {
   TrueWorld* world_;
   CellKeeper* keeper_;
   bool object_ = false;
+  std::string stopped_;  ///< why the last motion was stopped; empty: it was not
 };
 
 /// Renders the true meshes, the table and the gripper, and spoils the view as its sensor does.

@@ -20,6 +20,7 @@ GripperState SimulatedGripper::state() {
   GripperState state;
   state.host_time = world_->time();
   state.opening = opening(world_->gripper_pose());
+  state.fault = stopped_;
   // A stone that was lost lets the fingers close to the end.
   const auto& drives = world_->finger_drives();
   state.object = object_ && drives &&
@@ -41,6 +42,7 @@ GripperState SimulatedGripper::move(double target, double speed, double force) {
                  world_->options().regrip};
   world_->drive_fingers(drives);
   object_ = false;
+  stopped_.clear();
   double still = 0.0;
   for (double t = 0; still < kStalled; t += kGripperTick) {
     throw_if_interrupted();
@@ -49,8 +51,9 @@ GripperState SimulatedGripper::move(double target, double speed, double force) {
                         "check what blocks the fingers");
     const GripperPose from = world_->gripper_pose();
     const Progress progress = world_->wait(kGripperTick);
-    if (!progress.stopped.empty())
-      throw DeviceError("simulated gripper", progress.stopped, "move the arm away and look at the cell");
+    stopped_ = progress.stopped;
+    if (!stopped_.empty())
+      throw DeviceError("simulated gripper", stopped_, "move the arm away and look at the cell");
     double max_move = 0.0;
     for (std::size_t f = 0; f < drives.size(); ++f)
       max_move = std::max(max_move, std::abs(world_->gripper_pose().finger[f] - from.finger[f]));
@@ -73,10 +76,10 @@ void SimulatedGripper::spread(double spacing) {
     gripper_pose.narrowed += (narrowed - from.narrowed) * std::clamp(s / kSpread, 0.0, 1.0);
     return gripper_pose;
   };
-  const Progress progress = world_->advance(kSpread, path);
+  stopped_ = world_->advance(kSpread, path).stopped;
   keeper_->changed(world_->time());
-  if (!progress.stopped.empty())
-    throw DeviceError("simulated gripper", progress.stopped, "move the arm away and look at the cell");
+  if (!stopped_.empty())
+    throw DeviceError("simulated gripper", stopped_, "move the arm away and look at the cell");
 }
 
 }  // namespace stonestack::simulation

@@ -93,6 +93,7 @@ struct Records {
   Record operator()(const ReleaseMeasured& e) const {
     return {"released", {{"left", e.weight}, {"most", e.max_weight}}};
   }
+  Record operator()(const GripperRetried& e) const { return {"gripper_retried", {{"problem", e.problem}}}; }
 };
 
 }  // namespace

@@ -166,6 +166,9 @@ struct Words {
   std::string operator()(const CarriedMeasured&) const { return ""; }
   std::string operator()(const TouchMeasured&) const { return ""; }
   std::string operator()(const ReleaseMeasured&) const { return ""; }
+  std::string operator()(const GripperRetried& e) const {
+    return "the gripper failed, and answers without a fault: once more. " + e.problem;
+  }
 };
 
 }  // namespace

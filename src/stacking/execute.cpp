@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "stacking/gripper_motion.hpp"
 #include "stacking/plan_executor.hpp"
 #include "stonestack/core/error.hpp"
 
@@ -29,7 +30,7 @@ ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const 
     ExecutionResult now;
     switch (step.kind) {
       case PlanStep::Kind::kOpen:
-        if (step.spacing > 0) cell.gripper.spread(step.spacing);
+        if (step.spacing > 0) spread_gripper(cell, journal, step.spacing);
         executor.open(step);
         break;
       case PlanStep::Kind::kGrasp:

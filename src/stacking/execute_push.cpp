@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "stacking/execute.hpp"
+#include "stacking/gripper_motion.hpp"
 #include "stacking/plan_executor.hpp"
 #include "stonestack/core/error.hpp"
 
@@ -28,7 +29,7 @@ ExecutionResult execute_push(const PickAndPlacePlan& plan, const Stone& stone, c
     bool touched = false;
     switch (step.kind) {
       case Kind::kOpen:
-        if (step.spacing > 0) cell.gripper.spread(step.spacing);
+        if (step.spacing > 0) spread_gripper(cell, journal, step.spacing);
         executor.open(step);
         break;
       case Kind::kApproach:

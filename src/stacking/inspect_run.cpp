@@ -101,7 +101,10 @@ const std::map<std::string, Words>& words() {
                                             : std::string("    touched nothing");
        }},
       {"released",
-       [](const json& d) { return concat("    ", newtons(d.at("left")), " left in the gripper"); }}};
+       [](const json& d) { return concat("    ", newtons(d.at("left")), " left in the gripper"); }},
+      {"gripper_retried", [](const json& d) {
+         return "    gripper commanded once more: " + d.at("problem").get<std::string>();
+       }}};
   return list;
 }
 

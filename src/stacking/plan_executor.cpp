@@ -9,6 +9,7 @@
 #include "motion/grasp/finger_reach.hpp"
 #include "motion/timing.hpp"
 #include "stacking/constants.hpp"
+#include "stacking/gripper_motion.hpp"
 #include "stacking/record.hpp"
 #include "stacking/reversed_trajectory.hpp"
 #include "stonestack/core/error.hpp"
@@ -29,6 +30,7 @@ constexpr double kTableReach = 0.006;  // m above the end of an approach: what i
 constexpr std::array kSharesBack{1.0, 0.75, 0.5, 0.25};  // of the way back that was asked for
 constexpr double kAsPlanned = 0.005;  // rad, half of what the arm allows at the start of a motion
 constexpr double kOffTable = 0.001;   // m, between finger tips that have felt the table and where they close
+constexpr double kFullyOpen = 0.003;  // m, of the opening: fingers so near to their end were stopped by it
 
 using Status = ExecutionResult::Status;
 
@@ -82,7 +84,7 @@ ExecutionResult PlanExecutor::grasp(const PlanStep& step) const {
 }
 
 ExecutionResult PlanExecutor::give_up(const PlanStep& step, const std::string& why) const {
-  cell.gripper.move(scene.gripper.max_opening, kStrokeSpeed, kFingerForce);
+  move_gripper(cell, journal, scene.gripper.max_opening, kStrokeSpeed, kFingerForce);
   const ExecutionResult back = go_back(step, options.approach);
   if (back.status == Status::kStopped) return back;
   return {Status::kNotPicked, 0.0, why};
@@ -152,7 +154,7 @@ ExecutionResult PlanExecutor::go_home(std::span<const PlanStep> carried) const {
 }
 
 ExecutionResult PlanExecutor::release(const std::string& why) const {
-  cell.gripper.move(scene.gripper.max_opening, kStrokeSpeed, kFingerForce);
+  move_gripper(cell, journal, scene.gripper.max_opening, kStrokeSpeed, kFingerForce);
   set_payload(false);
   return {Status::kNotPicked, 0.0, why};
 }
@@ -226,7 +228,8 @@ ExecutionResult PlanExecutor::feel_down(const PlanStep& step, bool* touched) con
 }
 
 void PlanExecutor::open(const PlanStep& step) const {
-  cell.gripper.move(step.opening, step.finger_speed > 0 ? step.finger_speed : kStrokeSpeed, kFingerForce);
+  move_gripper(cell, journal, step.opening, step.finger_speed > 0 ? step.finger_speed : kStrokeSpeed,
+               kFingerForce);
 }
 
 ExecutionResult PlanExecutor::retreat(const PlanStep& step) const {
@@ -237,14 +240,19 @@ ExecutionResult PlanExecutor::retreat(const PlanStep& step) const {
   return go_back(step, difference(T_R_T_from, T_R_T_to).translation);
 }
 
+bool PlanExecutor::reports_object_between() const {
+  const GripperState now = cell.gripper.state();
+  return now.object && now.opening < scene.gripper.max_opening - kFullyOpen;
+}
+
 ExecutionResult PlanExecutor::check_empty(const PlanStep& step, bool may_open) const {
   const double max = max_in_empty_gripper(kGravity * stone.mass.mass);
   double left = wrist.feel().weight;
-  const auto empty = [&] { return left <= max && !cell.gripper.state().object; };
+  const auto empty = [&] { return left <= max && !reports_object_between(); };
   if (!empty() && may_open) {
     const ExecutionResult clear = clear_table(step, scene.gripper.max_opening);
     if (clear.status != Status::kReleased) return clear;
-    cell.gripper.move(scene.gripper.max_opening, kStrokeSpeed, kFingerForce);
+    move_gripper(cell, journal, scene.gripper.max_opening, kStrokeSpeed, kFingerForce);
     left = wrist.feel().weight;
   }
   record(journal, ReleaseMeasured{left, max});

@@ -68,6 +68,9 @@ struct PlanExecutor {
   void open(const PlanStep& step) const;
   /// Retreats along the gripper's own axis from the arm's measured pose, as far as the plan found clearance.
   [[nodiscard]] ExecutionResult retreat(const PlanStep& step) const;
+  /// Does the gripper report an object that its fingers may hold? Fingers that stand fully open press on
+  /// none, whatever it reports.
+  [[nodiscard]] bool reports_object_between() const;
   /// Checks that opened fingers hold no stone: stuck, jammed between two, or wedged. The measured load
   /// decides, as a gripper only reports an object that it closes on. `may_open`: may open fully, once.
   [[nodiscard]] ExecutionResult check_empty(const PlanStep& step, bool may_open) const;

@@ -162,6 +162,19 @@ TEST(Grasp, AnOpeningFingerPushesNoHarderThanAsked) {
   EXPECT_EQ(next_finger_place(drive, 0.05, -60.0, 0.002), 0.05);
 }
 
+TEST(Grasp, AStopByForceIsAFaultUntilTheNextMotion) {
+  Bench bench(1.0);
+  (void)bench.grip();
+  EXPECT_EQ(bench.gripper.state().fault, "");
+  Pose T_W_O = bench.world.pose(0_stone);
+  T_W_O.translation().x() += 0.030;  // into a finger
+  bench.world.place(0_stone, T_W_O);
+  EXPECT_THROW((void)bench.gripper.move(0.155, 0.05, 60.0), DeviceError);
+  EXPECT_NE(bench.gripper.state().fault, "");
+  bench.world.place(0_stone, make_pose(Eigen::Vector3d(0.5, 0.0, 0.1)));
+  EXPECT_EQ(bench.gripper.move(0.155, 0.05, 60.0).fault, "");
+}
+
 TEST(Grasp, ClosesOnNothing) {
   Bench bench(0.4);
   const GripperState closed = bench.gripper.move(0.0, 0.1, 30.0);

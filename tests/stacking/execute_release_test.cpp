@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "stacking/scripted_cell.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
@@ -105,6 +106,45 @@ TEST(ExecuteRelease, OpeningWiderMayFreeIt) {
   const auto done = cell.run();
   EXPECT_EQ(done.status, End::kReleased) << done.reason;
   EXPECT_EQ(cell.arm.commands.back(), "follow");
+}
+
+TEST(ExecuteRelease, AFaultThatPassesDoesNotEndTheRun) {
+  Released cell;
+  bool failed = false;
+  cell.gripper.after_move = [&, then = cell.gripper.after_move](double opening) {
+    if (cell.lifted && !std::exchange(failed, true))
+      throw DeviceError("gripper", "minor fault", "look at the gripper");
+    then(opening);
+  };
+  const auto done = cell.run();
+  EXPECT_EQ(done.status, End::kReleased) << done.reason;
+  EXPECT_TRUE(failed);
+  EXPECT_TRUE(cell.released) << "opened by the repeated command";
+}
+
+/// Fingers at the end of their travel press on nothing; what hangs in the gripper all the same is weighed.
+TEST(ExecuteRelease, AnObjectThatIsReportedAtFullOpeningIsNone) {
+  const auto misreports = [](Released& cell, double widest) {
+    cell.gripper.after_move = [&cell, widest, then = cell.gripper.after_move](double opening) {
+      then(opening);
+      cell.gripper.stands_at = std::min(opening, widest);
+      cell.gripper.object = true;
+    };
+  };
+  Released cell;
+  misreports(cell, cell.scene.gripper.max_opening);
+  const auto done = cell.run();
+  EXPECT_EQ(done.status, End::kReleased) << done.reason;
+  EXPECT_EQ(cell.arm.commands.back(), "follow");
+
+  Released heavy;  // and comes along
+  misreports(heavy, heavy.scene.gripper.max_opening);
+  heavy.left_after_retreat = 1.0;
+  EXPECT_EQ(heavy.run().status, End::kStopped);
+
+  Released jammed;
+  misreports(jammed, 0.12);
+  EXPECT_EQ(jammed.run().status, End::kStopped);
 }
 
 TEST(ExecuteRelease, AStoneThatComesAlongIsNotCarriedAround) {

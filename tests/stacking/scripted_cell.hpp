@@ -21,6 +21,7 @@ struct ScriptedArm : Arm {
   Joints q = home_joints();
   std::deque<Status> guarded;
   std::vector<std::string> commands;
+  bool can_move = true;
   int stops_after = -1;      ///< free motions; negative: never
   JointTrajectory followed;  ///< the last one
   std::function<void()> after_motion = [] {};
@@ -29,6 +30,7 @@ struct ScriptedArm : Arm {
   ArmState state() override {
     ArmState state;
     state.q = q;
+    state.can_move = can_move;
     return state;
   }
   MotionResult follow(const JointTrajectory& trajectory) override {
@@ -57,11 +59,15 @@ struct ScriptedArm : Arm {
 struct ScriptedGripper : Gripper {
   std::vector<std::string>* commands;
   bool object = false;
-  int moving = 0;  ///< states before it reports rest
+  int moving = 0;                             ///< states before it reports rest
+  double stands_at = GripperState{}.opening;  ///< opening that it reports [m]
+  std::string fault;
   explicit ScriptedGripper(std::vector<std::string>* t) : commands(t) {}
   GripperState state() override {
     GripperState state;
     state.moving = moving > 0;
+    state.opening = stands_at;
+    state.fault = fault;
     state.object = object && moving-- <= 0;
     return state;
   }

@@ -220,6 +220,11 @@ struct ReleaseMeasured {
   double weight = 0;      ///< load [N]
   double max_weight = 0;  ///< limit [N]
 };
+/// The gripper failed at a motion, answered without a fault when it was asked, and gets the command once
+/// more.
+struct GripperRetried {
+  std::string problem;  ///< as the gripper reported it
+};
 
 /// Anything that happens in a run.
 using Event =
@@ -229,7 +234,7 @@ using Event =
                  PlanBroken, PlanAbandoned, PosesRefused, GraspsRetried, StoneLeans, UnstackChosen,
                  UnstackToFree, ActionChosen, PlaceBegun, SetDownBegun, PushBegun, FingertipGrasp,
                  MotionRefused, PlacementJudged, FrictionMeasured, FrictionUpdated, StoneToppled, RunEnded,
-                 StepBegun, HoldMeasured, CarriedMeasured, TouchMeasured, ReleaseMeasured>;
+                 StepBegun, HoldMeasured, CarriedMeasured, TouchMeasured, ReleaseMeasured, GripperRetried>;
 /// Receiver of events.
 using Listener = std::function<void(const Event&)>;
 
