@@ -107,12 +107,23 @@ std::optional<Stop> stop_when_done(const Situation& s, const RunMemory& memory) 
   return std::nullopt;
 }
 
+/// No stone is set down like that again: neither where the top one lies, nor where it was meant to lie and
+/// came to rest otherwise.
+void give_up_top(const Situation& s, RunMemory& memory) {
+  const PlacedStone& top = s.arrangement.stack.back();
+  memory.given_up.push_back(top);
+  const auto last = std::find_if(memory.records.rbegin(), memory.records.rend(), [&](const auto& record) {
+    return record.planned.stone == top.stone && record.outcome == PlacementRecord::Outcome::kPlaced;
+  });
+  if (last != memory.records.rend()) memory.given_up.push_back({top.stone, last->planned.T_W_O});
+}
+
 /// Where nothing fits on the stack: as many stones into the field as leave the most to expect, if the search
 /// then finds a higher tower.
 std::optional<Action> unstack(const Situation& s, RunMemory& memory) {
   throw_if_interrupted();
   if (memory.stack_stays || s.models.wall) return std::nullopt;
-  if (!s.arrangement.stack.empty()) memory.given_up.push_back(s.arrangement.stack.back());
+  if (!s.arrangement.stack.empty()) give_up_top(s, memory);
   auto& expected = memory.search->expected_unstacked;
   if (!expected) expected = expected_unstacked(s, memory);
   const std::size_t count = unstack_depth(*expected);

@@ -157,9 +157,9 @@ TEST(ChooseAction, WithoutAStoneInSightARunEnds) {
 }
 
 /// Grasps that failed are tried again before a run ends, and only then.
-TEST(ChooseAction, RetriesFailedGraspsBeforeItStops) {
+/// The tower of "stop" without its top stone, which lies where nothing lifts it.
+State with_top_out_of_reach() {
   State state = read("stop");
-  ASSERT_GE(state.world.stack.size(), 2U);
   const StoneEstimate top = state.world.stack.back();  // lies in the field again, where nothing lifts it
   state.world.stack.pop_back();
   Pose T_W_O = top.T_W_O_at_rest;
@@ -167,13 +167,38 @@ TEST(ChooseAction, RetriesFailedGraspsBeforeItStops) {
   T_W_O.translation().z() -= 1.0;  // below the table
   state.world.loose = {{top.stone, T_W_O, T_W_O}};
   state.memory.last_seen.clear();
-  state.memory.failed_grasps[top.stone] = {Pose::Identity()};
   state.options.max_unstacked = 0;
+  return state;
+}
+
+TEST(ChooseAction, RetriesFailedGraspsBeforeItStops) {
+  State state = with_top_out_of_reach();
+  state.memory.failed_grasps[state.world.loose.front().stone] = {Pose::Identity()};
   const Decision decision = decide(state);
   ASSERT_TRUE(std::holds_alternative<Stop>(decision.action)) << name_of(decision.action);
   EXPECT_EQ(std::get<Stop>(decision.action).end, RunEnd::kNoPose);
   EXPECT_EQ(all_of<GraspsRetried>(decision.why).size(), 1U);
   EXPECT_TRUE(decision.memory.failed_grasps.empty());
+}
+
+/// A stone on which nothing fits, and that came to rest otherwise than planned, would do so again.
+TEST(ChooseAction, GivesUpWhereTheTopStoneLiesAndWhereItWasMeantToLie) {
+  State state = with_top_out_of_reach();
+  const StoneEstimate& top = state.world.stack.back();
+  const auto record = std::find_if(state.memory.records.begin(), state.memory.records.end(),
+                                   [&](const auto& r) { return r.planned.stone == top.stone; });
+  ASSERT_NE(record, state.memory.records.end());
+  record->planned.T_W_O.translation().x() += 0.05;
+  const auto gives_up = [&](const Pose& T_W_O) {
+    const Decision decision = decide(state);
+    return std::any_of(decision.memory.given_up.begin(), decision.memory.given_up.end(), [&](const auto& up) {
+      return up.stone == top.stone && difference(up.T_W_O, T_W_O).translation < 1e-6;
+    });
+  };
+  EXPECT_TRUE(gives_up(top.T_W_O_at_rest));
+  EXPECT_TRUE(gives_up(record->planned.T_W_O));
+  record->outcome = PlacementRecord::Outcome::kUnstacked;
+  EXPECT_FALSE(gives_up(record->planned.T_W_O));
 }
 
 TEST(StateFile, IsReadAsItWasWritten) {

@@ -27,7 +27,7 @@ struct Failing : scripted::Bench {
 };
 
 TEST(GripperMotion, AFaultThatPassesGetsTheCommandOnceMore) {
-  const std::string path = test::temporary_folder() + "gripper_motion.jsonl";
+  const std::string path = stonestack::test::temporary_folder() + "gripper_motion.jsonl";
   std::filesystem::remove(path);
   Failing bench;
   Journal journal(path);
