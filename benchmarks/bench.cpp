@@ -20,6 +20,7 @@ using nlohmann::json;
 using Words = std::vector<std::string>;
 
 constexpr const char* kShardSchema = "stonestack.bench_shard/1";
+constexpr const char* kWhatShardWrote = "name what --shard wrote with --record";
 constexpr const char* kOneBenchmark = "merge shards of one benchmark, made by the same program";
 
 /// The command line of this process, as one would type it.
@@ -92,9 +93,17 @@ std::string shard_text(const Results& results, const Draws& draws, const Words& 
 
 json read_shard_file(const std::string& path, const std::string& benchmark) {
   json file = read_json(path);
-  if (!file.is_object() || file.value("schema", "") != kShardSchema ||
-      file.value("benchmark", "") != benchmark)
-    throw FileError(path, "is no shard of `" + benchmark + '`', "name what --shard wrote with --record");
+  const auto is_text = [&](const char* key, const std::string& text) {
+    return file.contains(key) && file[key] == text;
+  };
+  if (!file.is_object() || !is_text("schema", kShardSchema) || !is_text("benchmark", benchmark))
+    throw FileError(path, "is no shard of `" + benchmark + '`', kWhatShardWrote);
+  for (const char* key : {"version", "settings", "arguments", "shard", "draws"})
+    if (!file.contains(key)) throw FileError(path, concat("has no `", key, '`'), kWhatShardWrote);
+  const json& arguments = file["arguments"];
+  if (!arguments.is_array() ||
+      !std::all_of(arguments.begin(), arguments.end(), [](const json& word) { return word.is_string(); }))
+    throw FileError(path, "has `arguments` that are no list of texts", kWhatShardWrote);
   return file;
 }
 
@@ -149,7 +158,7 @@ void measure_shard(const CLI::App& sub, const HowToMeasure& how, const MeasureDr
 void merge_shards(CLI::App& sub, const HowToMeasure& how, const MeasureDraws& measure) {
   Results results(sub.get_name(), {how.json, program_version()}, std::cout, std::cerr);
   Draws draws = Draws::of_shards();
-  json first, settings;
+  json first;
   for (const std::string& path : how.merge) {
     const json file = read_shard_file(path, sub.get_name());
     if (first.is_null()) first = file;

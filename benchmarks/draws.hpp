@@ -52,7 +52,12 @@ class Draws {
       const int number = ++asked_;
       const std::string draw = concat(name, ' ', k);
       if (const Json* known = find(number, draw)) {
-        list.push_back(known->get<Outcome>());
+        try {
+          list.push_back(known->get<Outcome>());
+        } catch (const Json::exception& fault) {
+          throw FileError("the record", concat("of draw ", number, " cannot be read: ", fault.what()),
+                          "perform the shard that holds it again");
+        }
         continue;
       }
       if (performs_ && !shard_.has(number)) continue;

@@ -60,10 +60,7 @@ ExecutionResult PlanExecutor::lift(const PlanStep& step) const {
   const JointPath& route = step.trajectory.q;
   const Joints q = cell.arm.state().q;
   if (route.empty() || (q - route.front()).cwiseAbs().maxCoeff() < kAsPlanned) return follow(step);
-  const auto path =
-      straight_path(scene.robot, scene.T_F_T, q, forward(scene.robot, route.back()) * scene.T_F_T);
-  if (!path) return {Status::kStopped, 0.0, step.name + ": no straight path from where the arm stands"};
-  return follow_slowly(step, *path);
+  return straight_to(step, route.back());
 }
 
 ExecutionResult PlanExecutor::grasp(const PlanStep& step) const {
@@ -324,9 +321,13 @@ ExecutionResult PlanExecutor::follow_from_here(const PlanStep& step, double shar
 }
 
 ExecutionResult PlanExecutor::back_to_start(const PlanStep& step) const {
-  const Pose T_R_T = forward(scene.robot, step.trajectory.q.front()) * scene.T_F_T;
+  return straight_to(step, step.trajectory.q.front());
+}
+
+ExecutionResult PlanExecutor::straight_to(const PlanStep& step, const Joints& q_end) const {
+  const Pose T_R_T = forward(scene.robot, q_end) * scene.T_F_T;
   const auto path = straight_path(scene.robot, scene.T_F_T, cell.arm.state().q, T_R_T);
-  if (!path) return {Status::kStopped, 0.0, step.name + ": no straight path back"};
+  if (!path) return {Status::kStopped, 0.0, step.name + ": no straight path from where the arm stands"};
   return follow_slowly(step, *path);
 }
 

@@ -84,6 +84,8 @@ struct PlanExecutor {
   [[nodiscard]] ExecutionResult follow_from_here(const PlanStep& step, double share = 1.0) const;
   /// From the arm's measured pose straight to where a straight step began, which it broke off.
   [[nodiscard]] ExecutionResult back_to_start(const PlanStep& step) const;
+  /// From the arm's measured pose straight and slowly to where these joints have the tool.
+  [[nodiscard]] ExecutionResult straight_to(const PlanStep& step, const Joints& q_end) const;
   /// The straight path of a straight step, displaced to where the arm stands; empty where the arm cannot
   /// follow it.
   [[nodiscard]] std::optional<JointPath> path_from_here(const PlanStep& step, double share = 1.0) const;

@@ -74,6 +74,18 @@ TEST_F(BenchCommand, AMergeRefusesWhatDoesNotBelongTogether) {
   expect_refusal("search --merge one.json other.json", 3, {"other.json", "--seed=8"});
   expect_refusal("search --merge one.json one.json", 3, {"draw 1 is there twice"});
   expect_refusal("search --merge result.json", 3, {"is no shard of `search`"});
+  json spoilt = json::parse(read_file(folder_ + "/one.json", 1U << 24U));
+  spoilt["draws"][0]["outcome"] = "nothing";
+  write_file(folder_ + "/spoilt.json", spoilt.dump());
+  expect_refusal("search --merge spoilt.json", 3, {"draw 1 cannot be read"});
+  spoilt["arguments"] = {1, 2};
+  write_file(folder_ + "/spoilt.json", spoilt.dump());
+  expect_refusal("search --merge spoilt.json", 3, {"spoilt.json", "`arguments` that are no list of texts"});
+  spoilt.erase("arguments");
+  write_file(folder_ + "/spoilt.json", spoilt.dump());
+  expect_refusal("search --merge spoilt.json", 3, {"spoilt.json", "has no `arguments`"});
+  write_file(folder_ + "/spoilt.json", "[1, 2]");
+  expect_refusal("search --merge spoilt.json", 3, {"is no shard of `search`"});
   expect_refusal("walls --merge one.json", 3, {"is no shard of `walls`"});
   expect_refusal("search --draws 3 --merge one.json", 2, {"leave out --draws=3"});
   expect_refusal("search --shard 1/2", 2, {"--record"});
