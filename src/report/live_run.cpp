@@ -23,6 +23,7 @@ LiveRun::LiveRun(const LiveView& view, const RunReport& opened, const Catalogue&
   so_far_.result.world.layout = layout;
   std::string data = page_data(so_far_, catalogue, robot, "");
   data.insert(data.size() - 1, ",\"live\":true");
+  shown_.stones = catalogue.stones.size();
   server_ = make_live_server(view, page_html("Tower", "The page of a run that is under way.", data));
 }
 

@@ -90,14 +90,16 @@ struct KnownStones {
   [[nodiscard]] const Catalogue& catalogue() const { return modelled ? *modelled : given; }
 };
 
+StoneModelReport report_of(const Stone& stone, const stacking::ModelledStone& made) {
+  return {made.name,       made.turned,           made.views, made.seen_share, made.sigma,
+          stone.mass.mass, made.mass.has_value(), made.note};
+}
+
 ModellingReport report_of(const stacking::ModelledField& field, const std::string& folder) {
   ModellingReport report{folder, field.views,   field.seconds, field.apart_before, field.apart_after,
                          {},     field.left_out};
-  for (std::size_t k = 0; k < field.stones.size(); ++k) {
-    const stacking::ModelledStone& stone = field.stones[k];
-    report.stones.push_back({stone.name, stone.turned, stone.views, stone.seen_share, stone.sigma,
-                             field.catalogue.stones[k].mass.mass, stone.mass.has_value(), stone.note});
-  }
+  for (std::size_t k = 0; k < field.stones.size(); ++k)
+    report.stones.push_back(report_of(field.catalogue.stones[k], field.stones[k]));
   return report;
 }
 
@@ -152,10 +154,11 @@ bool model_unseen(RunReport& report, Cell cell, const SimulatedRun& run, const R
 }
 
 RunResult perform_in(Cell& cell, const SimulatedRun& run, const Catalogue& catalogue, const RobotModel& robot,
-                     const BuildHooks& hooks, const RunMode& mode) {
+                     const BuildHooks& hooks, const RunMode& mode, const stacking::ModelledHook& modelled) {
   if (!mode.dry)
     return stacking::build_resumable(cell, catalogue, robot, run.build, hooks,
-                                     mode.keeps ? hooks.states_folder : std::string(), mode.resumes);
+                                     mode.keeps ? hooks.states_folder : std::string(), mode.resumes,
+                                     modelled);
   FirstStep first = plan_first_step(cell, catalogue, robot, run.build, hooks);
   measure_clearance(first);
   return std::move(first.result);
@@ -191,7 +194,13 @@ void build(RunReport& report, Cell cell, Performance& p) {
       return;
     }
   }
+  const Catalogue known = p.stones.catalogue();  // with which the run begins
   const Catalogue& catalogue = p.stones.catalogue();
+  const auto keep_stone = [&](const Stone& stone, const stacking::ModelledStone& made) {
+    write_stone(catalogue.path, stone);
+    p.stones.modelled->stones.push_back(stone);
+    if (report.modelling) report.modelling->stones.push_back(report_of(stone, made));
+  };
   p.live.emplace(p.view, report, catalogue, p.robot, p.layout);
   RunProgress progress(p.run.build, report.present.empty() ? catalogue.stones.size() : report.present.size());
   Cell watched = p.live->watched(cell);
@@ -201,7 +210,8 @@ void build(RunReport& report, Cell cell, Performance& p) {
                            progress.hear(event);
                          },
                          &journal, p.folder, p.mode.before_motion};
-  report.result = perform_in(watched, p.run, catalogue, p.robot, hooks, p.mode);
+  report.result = perform_in(watched, p.run, known, p.robot, hooks, p.mode,
+                             p.stones.modelled ? keep_stone : stacking::ModelledHook());
   clear_progress();
 }
 

@@ -266,6 +266,7 @@ struct ActionTitle {
   std::string operator()(const ClearBase& a) { return "clear the base of " + name(a.stray.stone); }
   std::string operator()(const Push& a) { return "push " + name(a.stone.stone); }
   std::string operator()(const LookAgain& a) { return "look again for " + name(a.stone); }
+  std::string operator()(const ModelAnew&) { return "model what is not recognised"; }
   std::string operator()(const Stop&) { return "stop"; }
 };
 
@@ -507,6 +508,11 @@ json changes_of(const RunReport& report, const Catalogue& catalogue, const Robot
       known = std::move(text);
     }
   }
+  if (from.stones != catalogue.stones.size()) {
+    page["stones"] = json::array();
+    for (const Stone& stone : catalogue.stones) page["stones"].push_back(stone_entry(stone));
+    from.stones = catalogue.stones.size();
+  }
   page["samples"] = packed_samples(report.result.timeline, times, from.samples);
   add_events(page, report, catalogue, times, from);
   return page;
@@ -527,8 +533,6 @@ std::string page_data(const RunReport& report, const Catalogue& catalogue, const
                       const std::string& picture) {
   const RunResult& result = report.result;
   const CellLayout& layout = result.world.layout;
-  json stones = json::array();
-  for (const Stone& stone : catalogue.stones) stones.push_back(stone_entry(stone));
   PagePosition begin;
   json page = changes_of(report, catalogue, robot, begin);
   page.update(json{
@@ -542,7 +546,6 @@ std::string page_data(const RunReport& report, const Catalogue& catalogue, const
       {"field",
        {{"centre", {layout.field_centre.x(), layout.field_centre.y()}},
         {"size", {layout.field_size.x(), layout.field_size.y()}}}},
-      {"stones", stones},
       {"terms", kTerms},
       {"changed", changed_options(report.options_text)},
       {"options", report.options_text},

@@ -31,6 +31,7 @@ namespace stonestack::report {
 struct PagePosition {
   std::size_t samples = 0;                    ///< number of samples of the timeline
   std::size_t events = 0;                     ///< number of events
+  std::size_t stones = 0;                     ///< number of stones of the catalogue
   std::vector<std::string> why;               ///< log lines since the last decision
   std::vector<StoneIndex> planned;            ///< stone that was chosen last, then those planned to follow it
   std::map<std::string, std::string> values;  ///< by name, what the page shows

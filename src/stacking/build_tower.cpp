@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <functional>
+#include <list>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -12,6 +13,7 @@
 #include "stacking/choose_action.hpp"
 #include "stacking/device_tape.hpp"
 #include "stacking/learn.hpp"
+#include "stacking/model_unrecognised.hpp"
 #include "stacking/plan_motion.hpp"
 #include "stacking/record.hpp"
 #include "stacking/recorded_devices.hpp"
@@ -150,11 +152,33 @@ Known observe_again(Workcell& w, ResumePoint point, const ResumeWriter& resume, 
   return observe_and_learn(w, expected, std::move(memory), resume);
 }
 
+/// Models what may be stones that are lost, adds it to the stones of the run, and observes.
+Known model_and_observe(Workcell& w, const ModelAnew& action, const ResumeWriter& resume, Journal* journal,
+                        const Known& known, const RunMemory& chosen) {
+  const ModelledField field = model_unrecognised(w, known.world, chosen, action.lost, journal);
+  for (const std::string& left : field.left_out) log_info(left);
+  std::vector<PlacedStone> modelled;
+  for (std::size_t k = 0; k < field.stones.size(); ++k) {
+    w.add_stone(field.catalogue.stones[k], field.stones[k]);
+    modelled.push_back({StoneIndex(static_cast<int>(w.models.shapes.size()) - 1), *field.stones[k].T_W_O});
+    w.emit(StoneModelled{modelled.back().stone, action.lost});
+  }
+  const RunMemory memory = remember_modelled(chosen, action.lost, modelled, w.models);
+  Expectation expected = expected_again(known.world, memory);
+  const std::vector<StoneEstimate> lying = as_estimates(modelled);
+  expected.loose.insert(expected.loose.end(), lying.begin(), lying.end());
+  return observe_and_learn(w, expected, memory, resume);
+}
+
 /// The loop, from the first observation on.
 Stop build(Workcell& w, StateWriter& states, const ResumeWriter& resume, Journal* journal, Known known) {
   for (;;) {
     const auto [action, memory, plan] = choose_with_motion(w, states, known);
     if (const auto* stop = std::get_if<Stop>(&action)) return *stop;
+    if (const auto* model = std::get_if<ModelAnew>(&action)) {
+      known = model_and_observe(w, *model, resume, journal, known, memory);
+      continue;
+    }
     ExecutionResult unknown;
     unknown.status = ExecutionResult::Status::kUnknown;
     resume.acting(known.world, remember(memory, known.world, action, plan, unknown), plan);
@@ -267,6 +291,16 @@ void note_resumed(Journal& journal, const ResumePoint& before) {
 struct RunModels {
   Models planning;
   DetectionModels detection;
+  std::list<Catalogue> grown =
+      {};  ///< with stones that were modelled while the run went on; the last one counts
+
+  void add(const Stone& stone, const CellLayout& layout, const BuildOptions& options) {
+    Catalogue more = *planning.catalogue;
+    more.stones.push_back(stone);
+    grown.push_back(std::move(more));
+    planning = make_models(grown.back(), *planning.robot, layout, options.wall);
+    detection = DetectionModels(grown.back().stones, options.detection);
+  }
 };
 
 /// Empty after Ctrl-C.
@@ -286,12 +320,13 @@ std::optional<RunModels> make_run_models(const Catalogue& catalogue, const Robot
 RunResult run_with(Cell& cell, const Catalogue& catalogue, const RobotModel& robot,
                    const BuildOptions& options, const BuildHooks& hooks,
                    const std::function<Stop(Workcell&, StateWriter&)>& work,
-                   const ResumePoint* before = nullptr) {
+                   const ResumePoint* before = nullptr, const ModelledHook& modelled = {}) {
   Cell planned = cell;
   planned.layout.linkage = options.linkage;
   check_options(options);
-  const std::optional<RunModels> made = make_run_models(catalogue, robot, planned.layout, options);
-  const Models models = made ? made->planning : Models{&catalogue, &robot, {}, {}, std::nullopt};
+  std::optional<RunModels> made = make_run_models(catalogue, robot, planned.layout, options);
+  const Models none{&catalogue, &robot, {}, {}, std::nullopt};
+  const Models& models = made ? made->planning : none;
   Recorder recorder(models, hooks, cell.clock);
   if (before != nullptr) recorder.go_on_from(*before);
   if (!made) {  // nothing has moved
@@ -303,10 +338,18 @@ RunResult run_with(Cell& cell, const Catalogue& catalogue, const RobotModel& rob
   std::optional<SteppedDevices> stepped;
   if (hooks.before_motion) stepped.emplace(planned, robot, hooks.before_motion, hooks.journal);
   RecordedDevices devices(stepped ? stepped->cell() : planned, recorder.result().timeline);
-  Workcell workcell{
-      devices.cell(), models, made->detection, options, recorder.result().seconds, [&](const Event& event) {
-        recorder.hear(event);
-      }};
+  BuildOptions used = options;
+  used.unseen = options.unseen && modelled;
+  Workcell workcell{devices.cell(),
+                    models,
+                    made->detection,
+                    used,
+                    recorder.result().seconds,
+                    [&](const Event& event) { recorder.hear(event); },
+                    [&](const Stone& stone, const ModelledStone& known) {
+                      made->add(stone, planned.layout, options);
+                      modelled(stone, known);
+                    }};
   StateWriter states(workcell, hooks.states_folder);
   Stop ended;
   try {
@@ -329,7 +372,7 @@ RunResult run_with(Cell& cell, const Catalogue& catalogue, const RobotModel& rob
 
 RunResult build_resumable(Cell& cell, const Catalogue& catalogue, const RobotModel& robot,
                           const BuildOptions& options, const BuildHooks& hooks, const std::string& folder,
-                          bool resumes) {
+                          bool resumes, const ModelledHook& modelled) {
   std::optional<ResumePoint> before;
   if (resumes) {
     before = read_resume_point(folder, catalogue);
@@ -344,7 +387,7 @@ RunResult build_resumable(Cell& cell, const Catalogue& catalogue, const RobotMod
           Known known = before ? observe_again(w, *before, resume, hooks.journal) : observe_first(w, resume);
           return build(w, states, resume, hooks.journal, std::move(known));
         },
-        before ? &*before : nullptr);
+        before ? &*before : nullptr, modelled);
   };
   if (resumes) return run_in(cell);  // the tape of the devices ends where the run was broken off
   if (!options.save_states || hooks.states_folder.empty()) return run_in(cell);

@@ -17,6 +17,7 @@ namespace stonestack::stacking {
 namespace {
 
 constexpr int kMaxCleared = 4;      // tries to take stones away from the base of the tower
+constexpr int kMaxModelled = 4;     // times that what lies there is modelled while a run goes on
 constexpr double kOnTable = 0.015;  // m: a lowest stone higher than that stands on something unseen
 
 /// Why nothing can be built at the site when a run begins; empty: it is free, or holds a tower of known
@@ -51,6 +52,20 @@ std::optional<Stop> stop_at_start(const Situation& s) {
       unfit.push_back({loose.stone, why});
   s.emit(StonesUnfit{unfit});
   return std::nullopt;
+}
+
+/// In a run whose stones nobody scanned: stones that are nowhere to be seen lie there with a side up that
+/// their models do not have, or were not recognised from the start.
+std::optional<Action> model_anew(const Situation& s, const RunMemory& memory) {
+  if (!s.options.unseen || static_cast<int>(memory.modelled_anew.size()) >= kMaxModelled ||
+      height_is_reached(s.arrangement, s.options))
+    return std::nullopt;
+  ModelAnew action;
+  for (const StoneIndex stone : first_stones(s.models.shapes.size()))
+    if (!holds(s.world.stack, stone) && !holds(s.world.loose, stone) && !memory.modelled_anew.contains(stone))
+      action.lost.push_back(stone);
+  if (action.lost.empty()) return std::nullopt;
+  return action;
 }
 
 /// The top stone into the field.
@@ -149,6 +164,7 @@ Action choose(const Situation& s, RunMemory& memory) {
   if (const auto view = next_view(s.world, memory)) return *view;
   if (memory.actions == 0)
     if (const auto stop = stop_at_start(s)) return *stop;
+  if (const auto action = model_anew(s, memory)) return *action;
   if (const auto action = go_on_unstacking(s, memory)) return *action;
   if (const auto action = clear_base(s, memory)) return *action;
   if (const auto stop = stop_when_done(s, memory)) return *stop;
@@ -207,8 +223,8 @@ Decision choose_action(const WorldEstimate& world, const RunMemory& memory, cons
 }
 
 std::string name_of(const Action& action) {
-  constexpr const char* kNames[] = {"place", "reorient",   "unstack", "clear_base",
-                                    "push",  "look_again", "stop"};
+  constexpr const char* kNames[] = {"place", "reorient",   "unstack",    "clear_base",
+                                    "push",  "look_again", "model_anew", "stop"};
   return kNames[action.index()];
 }
 

@@ -48,6 +48,11 @@ struct ActionText {
     return text;
   }
   std::string operator()(const LookAgain& a) const { return concat("look for ", name(a.stone), "\n"); }
+  std::string operator()(const ModelAnew& a) const {
+    std::string lost;
+    for (const StoneIndex stone : a.lost) lost += (lost.empty() ? "" : ", ") + name(stone);
+    return concat("model what lies there and is not recognised; out of sight: ", lost, "\n");
+  }
   std::string operator()(const Stop& a) const { return "stop: " + a.reason + "\n"; }
 };
 

@@ -42,6 +42,11 @@ struct Records {
              {"spanned_m", e.wall.spanned},
              {"to_span_m", e.wall.to_span}}};
   }
+  Record operator()(const StoneModelled& e) const {
+    json lost = json::array();
+    for (const StoneIndex stone : e.lost) lost.push_back(name(stone));
+    return {"modelled", {{"stone", name(e.stone)}, {"may_be", lost}}};
+  }
   Record operator()(const StoneMoved& e) const {
     return {"moved", {{"stone", name(e.stone)}, {"shift_m", e.shift}}};
   }

@@ -45,6 +45,11 @@ struct Words {
     return concat("looking for ", name(e.view.stone),
                   e.view.where == LookAgain::Where::kWhereItWas ? " where it was" : " beside the site");
   }
+  std::string operator()(const StoneModelled& e) const {
+    std::string lost;
+    for (const StoneIndex stone : e.lost) lost += (lost.empty() ? "" : " or ") + name(stone);
+    return concat(name(e.stone), " is modelled, which may be ", lost, " with another side up");
+  }
   std::string operator()(const StoneUncertain& e) const {
     return concat(name(e.stone),
                   " may be turned or another stone of similar shape: it is seen with a certainty of ",

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/quantile.hpp"
+#include "geometry/surface_tree.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
 
@@ -88,11 +89,26 @@ Eigen::Vector3d middle_of_object(const AlignedScene& scene, int object) {
   return scene.views.front().T_W_C * seen.p_C_middle;
 }
 
+double share_on(const Cloud& cloud_C, const Pose& T_W_C, const Mesh& surface_W) {
+  constexpr double kNear = 0.01;  // m
+  constexpr std::size_t kAsked = 200;
+  const SurfaceTree surface(surface_W);
+  const std::size_t stride = std::max<std::size_t>(1, cloud_C.points.size() / kAsked);
+  double asked = 0, near = 0;
+  for (std::size_t i = 0; i < cloud_C.points.size(); i += stride, ++asked)
+    if (surface.nearest(T_W_C * cloud_C.points[i].cast<double>()).distance < kNear) ++near;
+  return asked > 0 ? near / asked : 0.0;
+}
+
 std::string unfit_object(const AlignedScene& scene, int object, const CellLayout& layout) {
-  const auto& seen = scene.segmentation.objects[static_cast<std::size_t>(object)];
   const Eigen::Vector2d off =
       (middle_of_object(scene, object).head<2>() - layout.field_centre).cwiseAbs() - 0.5 * layout.field_size;
   if (off.maxCoeff() > kBesideField) return "lies beside the field";
+  return unfit_view(scene, object);
+}
+
+std::string unfit_view(const AlignedScene& scene, int object) {
+  const auto& seen = scene.segmentation.objects[static_cast<std::size_t>(object)];
   if (seen.cut_off && seen.views < 2) return "is seen in part only";
   if (seen.views == 1 && scene.views.size() > 2)
     return concat("is seen in one of ", scene.views.size(), " views only");

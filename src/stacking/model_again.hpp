@@ -28,7 +28,11 @@ struct StoneCandidate {
 [[nodiscard]] Eigen::Vector2d place_on_table(const StoneCandidate& candidate);
 /// Middle of what a scene shows of an object, in W [m].
 [[nodiscard]] Eigen::Vector3d middle_of_object(const modelling::AlignedScene& scene, int object);
-/// Why an object is not made a stone of; empty if it is.
+/// Share of a cloud that lies within 10 mm of a closed surface or inside it.
+[[nodiscard]] double share_on(const Cloud& cloud_C, const Pose& T_W_C, const Mesh& surface_W);
+/// Why an object is not seen well enough to make a stone of it; empty if it is.
+[[nodiscard]] std::string unfit_view(const modelling::AlignedScene& scene, int object);
+/// Why an object of the field is not made a stone of; empty if it is.
 [[nodiscard]] std::string unfit_object(const modelling::AlignedScene& scene, int object,
                                        const CellLayout& layout);
 /// The stone of a model, with the mass that was weighed.

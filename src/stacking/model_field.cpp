@@ -6,7 +6,6 @@
 
 #include "core/constants.hpp"
 #include "geometry/convex_pieces.hpp"
-#include "geometry/surface_tree.hpp"
 #include "motion/collision.hpp"
 #include "motion/turn_over.hpp"
 #include "stacking/arrangement.hpp"
@@ -126,18 +125,6 @@ std::vector<StoneCandidate> model_first(const AlignedScene& scene, const CellLay
     left_out.push_back(concat("object at (", at.x(), ", ", at.y(), ") m: ", why));
   }
   return candidates;
-}
-
-/// Share of a cloud that lies within 10 mm of a closed surface or inside it.
-double share_on(const Cloud& cloud_C, const Pose& T_W_C, const Mesh& surface_W) {
-  constexpr double kNear = 0.01;  // m
-  constexpr std::size_t kAsked = 200;
-  const SurfaceTree surface(surface_W);
-  const std::size_t stride = std::max<std::size_t>(1, cloud_C.points.size() / kAsked);
-  double asked = 0, near = 0;
-  for (std::size_t i = 0; i < cloud_C.points.size(); i += stride, ++asked)
-    if (surface.nearest(T_W_C * cloud_C.points[i].cast<double>()).distance < kNear) ++near;
-  return asked > 0 ? near / asked : 0.0;
 }
 
 /// True for a piece of a modelled stone that some view parted from it.

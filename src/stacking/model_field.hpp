@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -37,6 +38,9 @@ struct ModelledStone {
   std::optional<Pose> T_W_O_first = std::nullopt;
   std::optional<Pose> T_W_O = std::nullopt;  ///< where it lies at the end; empty: it was not found
 };
+
+/// Told of a stone that was modelled while a run went on.
+using ModelledHook = std::function<void(const Stone& stone, const ModelledStone& made)>;
 
 /// "stone_1": name of the modelled stone `number`, from 1.
 [[nodiscard]] std::string modelled_name(std::size_t number);

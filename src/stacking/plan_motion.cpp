@@ -134,6 +134,7 @@ struct Planner {
       }
   }
 
+  void operator()(const ModelAnew&) { plan.found = true; }  // views are planned one after the other
   void operator()(const Stop&) {}
 };
 

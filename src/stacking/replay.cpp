@@ -45,6 +45,15 @@ struct Start {
   long first_line = 0;  ///< of the journal
 };
 
+/// The stones that the run began with: those that it modelled later may lie in the same folder.
+Catalogue known_at_start(const Catalogue& all, const json& start) {
+  if (!start.contains("stones")) return all;
+  Catalogue known;
+  known.path = all.path;
+  for (const json& name : start.at("stones")) known.stones.push_back(all[all.index(name.get<std::string>())]);
+  return known;
+}
+
 Start read_start(const ReplayTask& task) {
   const std::string folder = task.run + kInputsFolder, path = folder + "/start.json",
                     state = folder + "/state.json";
@@ -54,7 +63,7 @@ Start read_start(const ReplayTask& task) {
     const StateHeader header = read_state_header(state);
     const std::string stones = task.catalogue.empty() ? header.catalogue : task.catalogue;
     Start start;
-    start.catalogue = read_catalogue(stones.empty() ? data_path("stones") : stones);
+    start.catalogue = known_at_start(read_catalogue(stones.empty() ? data_path("stones") : stones), j);
     start.robot = task.cell.empty() ? read_robot(header.robot) : read_cell_robot(CellConfig(task.cell));
     if (const json& speed = j.at("tool_speed"); !speed.is_null())
       start.robot.tool_speed = speed.get<double>();
@@ -97,10 +106,12 @@ void write_start(const std::string& folder, const CellLayout& layout, const Cata
   WorldEstimate world;
   world.layout = layout;
   write_state(folder + "/state.json", world, make_memory(options), {&catalogue, &robot, {}, {}, {}}, options);
-  json obstacles = json::array();
+  json stones = json::array(), obstacles = json::array();
+  for (const Stone& stone : catalogue.stones) stones.push_back(stone.name);
   for (const Obstacle& obstacle : layout.obstacles) obstacles.push_back(exact_json(obstacle.T_W_O));
   const json start{{"schema", kStartSchema},
                    {"journal", journal == nullptr ? 0 : journal->lines()},
+                   {"stones", stones},
                    {"tool_speed", robot.tool_speed},
                    {"T_W_R", exact_json(layout.T_W_R)},
                    {"T_F_T", exact_json(layout.T_F_T)},
@@ -123,16 +134,18 @@ Replay replay_run(const ReplayTask& task, const std::function<void(const std::st
   Journal journal(replay.journal);
   BuildHooks hooks;
   hooks.journal = &journal;
-  hooks.listener = [&](const Event& event) {
-    if (const std::string line = to_text(event, start.catalogue); report && !line.empty()) report(line);
-  };
   std::size_t answered = 0;
   tape.at_end = [&] { answered = static_cast<std::size_t>(journal.lines()); };
   TapedDevices devices(start.state.world.layout, tape);
   Cell cell = devices.cell();
   BuildOptions options = start.state.options;
   options.save_states = false;
-  (void)build_tower(cell, start.catalogue, start.robot, options, hooks);
+  Catalogue named = start.catalogue;  // and what is modelled on the way
+  hooks.listener = [&](const Event& event) {
+    if (const std::string line = to_text(event, named); report && !line.empty()) report(line);
+  };
+  (void)build_resumable(cell, start.catalogue, start.robot, options, hooks, {}, false,
+                        [&](const Stone& stone, const ModelledStone&) { named.stones.push_back(stone); });
 
   std::vector<std::string> now = lines_of(replay.journal);
   replay.complete = !tape.ran_out();

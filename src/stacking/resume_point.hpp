@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "stacking/journal.hpp"
+#include "stacking/model_field.hpp"
 #include "stacking/plan_motion.hpp"
 #include "stacking/state_file.hpp"
 
@@ -64,9 +65,12 @@ class ResumeWriter {
 
 /// `build_tower`, which keeps in `folder` what a process needs to go on with the run; `resumes`: goes on with
 /// it. Then it asks the gripper first, takes a stone that is held back to where it was picked, and observes.
+/// @param modelled with `options.unseen` and this hook, what no stone explains is modelled when a stone is
+/// out of sight, and added to the stones of the run: `catalogue` itself stays as it is.
 /// @throws FileError for a folder whose run cannot go on
 [[nodiscard]] RunResult build_resumable(Cell& cell, const Catalogue& catalogue, const RobotModel& robot,
                                         const BuildOptions& options, const BuildHooks& hooks,
-                                        const std::string& folder, bool resumes);
+                                        const std::string& folder, bool resumes,
+                                        const ModelledHook& modelled = {});
 
 }  // namespace stonestack::stacking

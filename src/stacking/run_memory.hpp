@@ -101,6 +101,9 @@ struct RunMemory {
   std::vector<PlacedStone> given_up;                ///< tops of stacks on which nothing was found to fit
   std::map<StoneIndex, Eigen::Vector3d> last_seen;  ///< centre of mass, W, m
   std::set<StoneIndex> out_of_sight;                ///< looked for in vain
+  std::set<StoneIndex> modelled_anew;               ///< out of sight when what was seen was modelled
+  /// Middles of what is no stone, seen from above, when all stones were seen [m]
+  std::vector<Eigen::Vector2d> p_W_objects;
   std::optional<Unstacking> unstacking;
   std::optional<Attempt> attempt;
 

@@ -346,6 +346,8 @@ json memory_json(const RunMemory& m, const Writer& w) {
          {"refused", w.placed_list(m.refused)},
          {"last_seen", w.by_stone(m.last_seen, [](const Eigen::Vector3d& p) { return vector_json(p); })},
          {"out_of_sight", w.stones(m.out_of_sight)},
+         {"modelled_anew", w.stones(m.modelled_anew)},
+         {"p_W_objects", list_json(m.p_W_objects, [](const Eigen::Vector2d& p) { return vector_json(p); })},
          {"sought_where_it_was", w.stones(m.sought_where_it_was)},
          {"sought_beside_site", m.sought_beside_site},
          {"not_pushed", w.stones(m.not_pushed)},
@@ -393,6 +395,9 @@ RunMemory memory_of(const json& j, const Reader& r) {
   m.refused = r.placed_list(j.at("refused"));
   m.last_seen = r.by_stone(j.at("last_seen"), vector3_of);
   m.out_of_sight = r.stones(j.at("out_of_sight"));
+  if (j.contains("modelled_anew")) m.modelled_anew = r.stones(j.at("modelled_anew"));
+  if (j.contains("p_W_objects"))
+    m.p_W_objects = list_of(j.at("p_W_objects"), [](const json& p) { return vector2_of(p); });
   m.sought_where_it_was = r.stones(j.at("sought_where_it_was"));
   if (j.contains("not_pushed")) m.not_pushed = r.stones(j.at("not_pushed"));
   m.sought_beside_site = j.at("sought_beside_site").get<int>();
@@ -582,6 +587,8 @@ std::string decision_json(const Decision& decision, const Catalogue& catalogue) 
     action["stone"] = w.name(view->stone);
     action["p_W_target"] = vector_json(view->p_W_target);
   }
+  if (const auto* model = std::get_if<ModelAnew>(&decision.action))
+    action["lost"] = w.stones({model->lost.begin(), model->lost.end()});
   if (const auto* stop = std::get_if<Stop>(&decision.action)) action["reason"] = stop->reason;
   json why = json::array();
   for (const Event& event : decision.why)

@@ -62,9 +62,10 @@ std::vector<SurfaceElement> dome_over(const Eigen::Vector3d& p_W) {
   return dome;
 }
 
-std::vector<SurveyView> survey(Cell& cell, const PlanningScene& scene,
-                               const std::vector<SurfaceElement>& wanted, const Eigen::Vector3d& p_W_target,
-                               int count, double distance, const MotionOptions& options, Journal* journal) {
+std::vector<SurveyView> survey_if_reached(Cell& cell, const PlanningScene& scene,
+                                          const std::vector<SurfaceElement>& wanted,
+                                          const Eigen::Vector3d& p_W_target, int count, double distance,
+                                          const MotionOptions& options, Journal* journal) {
   std::vector<Direction> directions = directions_around(cell.layout, p_W_target);
   std::vector<double> seen(wanted.size(), 0.0);
   double all = 0.0;
@@ -95,6 +96,14 @@ std::vector<SurveyView> survey(Cell& cell, const PlanningScene& scene,
     views.push_back(std::move(taken));
     for (std::size_t i = 0; i < wanted.size(); ++i) seen[i] = std::max(seen[i], shown(wanted[i], n_W));
   }
+  return views;
+}
+
+std::vector<SurveyView> survey(Cell& cell, const PlanningScene& scene,
+                               const std::vector<SurfaceElement>& wanted, const Eigen::Vector3d& p_W_target,
+                               int count, double distance, const MotionOptions& options, Journal* journal) {
+  std::vector<SurveyView> views =
+      survey_if_reached(cell, scene, wanted, p_W_target, count, distance, options, journal);
   if (views.empty())
     throw DeviceError("arm", "no view of the field can be reached",
                       "check the cell's layout: field, robot base and camera mount");

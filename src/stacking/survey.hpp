@@ -25,6 +25,13 @@ struct SurveyView {
 /// Surface of a thing of unknown shape: a dome, as much from each side.
 [[nodiscard]] std::vector<SurfaceElement> dome_over(const Eigen::Vector3d& p_W);
 
+/// As `survey`, but none where no view is reached.
+[[nodiscard]] std::vector<SurveyView> survey_if_reached(Cell& cell, const PlanningScene& scene,
+                                                        const std::vector<SurfaceElement>& wanted,
+                                                        const Eigen::Vector3d& p_W_target, int count,
+                                                        double distance, const MotionOptions& options,
+                                                        Journal* journal = nullptr);
+
 /// Takes up to `count` views of `p_W_target` from `distance` m, each from the direction that shows most of
 /// what no view showed before: the next best view, among those that the arm reaches in the scene. Fewer where
 /// it reaches no more or another shows nothing new. Each is in the journal before the arm moves.

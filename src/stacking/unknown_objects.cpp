@@ -69,18 +69,38 @@ Mesh prism_about(const std::vector<Eigen::Vector3d>& surface_W) {
 bool is_of_interest(const CellLayout& layout, const Eigen::Vector2d& p_W) {
   const Eigen::Vector2d off = (p_W - layout.field_centre).cwiseAbs() - 0.5 * layout.field_size;
   const bool near = off.maxCoeff() < kOverField || (p_W - layout.site).norm() < kOverField;
-  return near && (p_W - layout.site).norm() > kAtSite &&
-         (p_W - layout.T_W_R.translation().head<2>()).norm() > kAtBase;
+  return near && (p_W - layout.T_W_R.translation().head<2>()).norm() > kAtBase;
+}
+
+std::vector<UnknownThing> things_in(const Workcell& w, const Views& views,
+                                    const std::vector<PlacedStone>& stones) {
+  auto things =
+      find_stack(w.models.shapes, stones, w.cell.layout.site, surface_in(views, w.options.detection)).unknown;
+  std::erase_if(things, [&](const UnknownThing& thing) { return !is_of_interest(w.cell.layout, thing.p_W); });
+  return things;
 }
 
 void add_thing(std::vector<Obstacle>& obstacles, const std::string& what, const UnknownThing& thing) {
-  Obstacle obstacle;
-  obstacle.name = concat(what, " ", obstacles.size() + 1);
-  obstacle.pieces = {prism_about(thing.surface_W)};
-  obstacles.push_back(std::move(obstacle));
+  obstacles.push_back(obstacle_about(thing, concat(what, " ", obstacles.size() + 1)));
 }
 
 }  // namespace
+
+Obstacle obstacle_about(const UnknownThing& thing, const std::string& name) {
+  Obstacle obstacle;
+  obstacle.name = name;
+  obstacle.pieces = {prism_about(thing.surface_W)};
+  return obstacle;
+}
+
+std::vector<UnknownThing> unknown_things(const Workcell& w, const Views& views,
+                                         const std::vector<PlacedStone>& stones) {
+  auto things = things_in(w, views, stones);
+  std::stable_sort(things.begin(), things.end(), [](const UnknownThing& a, const UnknownThing& b) {
+    return a.surface_W.size() > b.surface_W.size();
+  });
+  return things;
+}
 
 std::vector<Obstacle> objects_above_table(const Views& views, const DetectionOptions& options,
                                           const std::string& what) {
@@ -92,12 +112,9 @@ std::vector<Obstacle> objects_above_table(const Views& views, const DetectionOpt
 
 std::vector<Obstacle> unknown_objects(const Workcell& w, const Views& views,
                                       const std::vector<PlacedStone>& stones) {
-  const auto sorted =
-      find_stack(w.models.shapes, stones, w.cell.layout.site, surface_in(views, w.options.detection));
   std::vector<Obstacle> obstacles;
-  for (const UnknownThing& thing : sorted.unknown) {
-    if (is_of_interest(w.cell.layout, thing.p_W)) add_thing(obstacles, "unknown object", thing);
-  }
+  for (const UnknownThing& thing : things_in(w, views, stones))
+    if ((thing.p_W - w.cell.layout.site).norm() > kAtSite) add_thing(obstacles, "unknown object", thing);
   return obstacles;
 }
 

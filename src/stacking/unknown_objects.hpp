@@ -1,6 +1,7 @@
 #pragma once
 #include <span>
 
+#include "search/find_stack.hpp"
 #include "stacking/workcell.hpp"
 #include "stonestack/stacking/observe.hpp"
 
@@ -12,6 +13,13 @@ namespace stonestack::stacking {
 /// who look at the tower.
 [[nodiscard]] std::vector<Obstacle> unknown_objects(const Workcell& workcell, const Views& views,
                                                     const std::vector<PlacedStone>& stones);
+
+/// What the views show above the table that belongs to none of the stones, beside the tower too; the largest
+/// first. Not what is beyond the reach of what falls off the tower, or at the robot's base.
+[[nodiscard]] std::vector<UnknownThing> unknown_things(const Workcell& workcell, const Views& views,
+                                                       const std::vector<PlacedStone>& stones);
+/// Upright prism about what is seen of a thing, from the table up.
+[[nodiscard]] Obstacle obstacle_about(const UnknownThing& thing, const std::string& name);
 
 /// Obstacles, likewise, for all that the views show above the table, wherever it stands, named after `what`
 /// with a number.

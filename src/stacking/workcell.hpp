@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "stacking/choose_action.hpp"
+#include "stacking/model_field.hpp"
 #include "stonestack/stacking/build_tower.hpp"
 #include "stonestack/stacking/observe.hpp"
 
@@ -18,6 +19,8 @@ struct Workcell {
   const BuildOptions& options;
   StageSeconds& seconds;
   Listener emit;
+  /// Adds a stone to `models` and `detection`. Who listens to the run is told before any event names it.
+  ModelledHook add_stone;
   std::vector<Obstacle> stated_obstacles = cell.layout.obstacles;  ///< those of the cell file
 };
 

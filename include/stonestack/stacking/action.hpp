@@ -63,6 +63,11 @@ struct LookAgain {
   Where where = Where::kWhereItWas;  ///< place that is looked at
   Eigen::Vector3d p_W_target = Eigen::Vector3d::Zero();  ///< point that the camera turns to [m]
 };
+/// Model what lies in the cell and is recognised as none of the stones, as other stones: those that are out
+/// of sight may be among it, and show a side that no model has.
+struct ModelAnew {
+  std::vector<StoneIndex> lost;  ///< stones that are out of sight
+};
 /// End the run.
 struct Stop {
   RunEnd end = RunEnd::kAllPlaced;  ///< reason as a value
@@ -70,8 +75,8 @@ struct Stop {
 };
 
 /// The next thing that the robot does.
-using Action = std::variant<Place, Reorient, Unstack, ClearBase, Push, LookAgain, Stop>;
-/// "place", "reorient", "unstack", "clear_base", "push", "look_again", "stop".
+using Action = std::variant<Place, Reorient, Unstack, ClearBase, Push, LookAgain, ModelAnew, Stop>;
+/// "place", "reorient", "unstack", "clear_base", "push", "look_again", "model_anew", "stop".
 [[nodiscard]] std::string name_of(const Action& action);
 
 /// One attempted placement, or a stone that was set down in the field.

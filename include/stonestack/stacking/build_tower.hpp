@@ -61,7 +61,7 @@ struct BuildOptions {
   /// Gripper of the simulated cell, by its name or a YAML; empty: of the cell file, or robotiq-3f.
   std::string gripper;
   /// The stones are in no catalogue: the arm's camera models them before anything is built (`model_field`).
-  /// For who makes the catalogue; `build_tower` itself is given one.
+  /// For who makes the catalogue; `build_tower` itself is given one, and adds nothing to it.
   bool unseen = false;
   bool save_states = false;  ///< writes the state before each decision into the run's folder, for `decide`
 };

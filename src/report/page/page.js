@@ -233,6 +233,7 @@ function update(data, whole) {
   for (const [name, value] of Object.entries(rest))
     run[name] = !whole && ['views', 'towers', 'decisions', 'events'].includes(name) ? run[name].concat(value) : value;
   if (scene && rest.robot_model) scene.setArm(rest.robot_model);
+  if (scene && rest.stones) scene.addStones();
   if (whole) run.live = false;
   if (whole || atEnd) now = Infinity;
   if (waiting) return;

@@ -197,8 +197,14 @@ function makeScene(element, view = RUN_VIEW) {
 
   let arm = makeArm(run.robot_model);
   scene.add(arm.base);
-  const stones = run.stones.map(makeStone);
-  stones.forEach((stone) => { stone.visible = false; scene.add(stone); });
+  const stones = [];
+  const addStones = () => run.stones.slice(stones.length).forEach((entry) => {
+    const stone = makeStone(entry, stones.length);
+    stone.visible = false;
+    stones.push(stone);
+    scene.add(stone);
+  });
+  addStones();
 
   // Layers: groups that are shown or hidden, filled for a moment in time.
   const layers = {};
@@ -305,5 +311,5 @@ function makeScene(element, view = RUN_VIEW) {
     arm = makeArm(model);
     scene.add(arm.base);
   };
-  return {get arm() { return arm; }, setArm, stones, layers, showDecision, showTower, showView, render, addOnTop, clear, root: scene, element: renderer.domElement};
+  return {get arm() { return arm; }, setArm, addStones, stones, layers, showDecision, showTower, showView, render, addOnTop, clear, root: scene, element: renderer.domElement};
 }

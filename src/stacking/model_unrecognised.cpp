@@ -1,0 +1,149 @@
+#include "stacking/model_unrecognised.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "stacking/arrangement.hpp"
+#include "stacking/model_again.hpp"
+#include "stacking/survey.hpp"
+#include "stacking/unknown_objects.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/log.hpp"
+#include "stonestack/motion/pick_and_place.hpp"
+
+namespace stonestack::stacking {
+namespace {
+
+constexpr double kWasThere = 0.05;  // m between the middles of a thing that nobody moved, in two observations
+constexpr double kMinWidth = 0.025;  // m: what is seen narrower is no stone
+constexpr double kBesideAim = 0.06;  // m between the middle of a thing, and of what closer views show of it
+constexpr double kExplained = 0.5;   // share of what is seen that lies on a known stone
+
+/// Things that may be one of the lost stones.
+std::vector<UnknownThing> things_to_model(const Workcell& w, const WorldEstimate& world,
+                                          const RunMemory& memory) {
+  if (!world.views) return {};
+  std::vector<PlacedStone> stones = at_rest(world).stack;
+  for (const StoneEstimate& loose : world.loose) stones.push_back({loose.stone, loose.T_W_O_at_rest});
+  std::vector<UnknownThing> things = unknown_things(w, *world.views, stones);
+  std::erase_if(things, [&](const UnknownThing& thing) {
+    Eigen::AlignedBox2d ground;
+    for (const Eigen::Vector3d& p_W : thing.surface_W) ground.extend(p_W.head<2>().eval());
+    return ground.diagonal().norm() < kMinWidth ||
+           std::any_of(memory.p_W_objects.begin(), memory.p_W_objects.end(),
+                       [&](const Eigen::Vector2d& p_W) { return (thing.p_W - p_W).norm() < kWasThere; });
+  });
+  return things;
+}
+
+/// The largest object near the middle of views that no known stone explains; -1: none.
+int object_near(const modelling::AlignedScene& scene, const Eigen::Vector2d& p_W,
+                const std::vector<Mesh>& known_W) {
+  int best = -1;
+  for (int k = 0; k < static_cast<int>(scene.segmentation.objects.size()); ++k) {
+    const auto& seen = scene.segmentation.objects[static_cast<std::size_t>(k)];
+    const auto explains = [&](const Mesh& stone_W) {
+      return share_on(seen.cloud_C, scene.views.front().T_W_C, stone_W) > kExplained;
+    };
+    if ((middle_of_object(scene, k).head<2>() - p_W).norm() < kBesideAim &&
+        (best < 0 || seen.pixels > scene.segmentation.objects[static_cast<std::size_t>(best)].pixels) &&
+        std::none_of(known_W.begin(), known_W.end(), explains))
+      best = k;
+  }
+  return best;
+}
+
+/// One thing after the other.
+class Modeller {
+ public:
+  Modeller(Workcell& w, const WorldEstimate& world, std::vector<UnknownThing> things, Journal* journal)
+      : w_(w), things_(std::move(things)), journal_(journal) {
+    options_.motion = w.options.motion;
+    options_.modelling.segment.seed = w.options.detection.seed;
+    options_.stone.friction = w.options.search.friction;
+    const Arrangement arrangement = at_rest(world);
+    scene_ = make_planning_scene(w.cell.layout, *w.models.robot, *w.models.catalogue, arrangement);
+    for (const UnknownThing& thing : things_) {
+      Obstacle obstacle = obstacle_about(thing, concat("thing ", scene_.objects.size()));
+      scene_.objects.push_back({obstacle.name, std::move(obstacle.pieces), Pose::Identity()});
+    }
+    for (const auto* list : {&arrangement.stack, &arrangement.loose})
+      for (const PlacedStone& stone : *list)
+        known_W_.push_back(transformed(w.models.stone(stone.stone).mesh, stone.T_W_O));
+  }
+
+  [[nodiscard]] const std::vector<UnknownThing>& things() const { return things_; }
+
+  /// Adds the stone that a thing is, or why it is none.
+  void model(const UnknownThing& thing, std::optional<double> mass, ModelledField& field) {
+    const Eigen::Vector3d p_W(thing.p_W.x(), thing.p_W.y(), 0.5 * thing.highest);
+    scene_.opening = present_opening(w_.cell, scene_.gripper);
+    const auto taken = survey_if_reached(w_.cell, scene_, dome_over(p_W), p_W, options_.first_views,
+                                         options_.view_distance, options_.motion, journal_);
+    field.views += static_cast<int>(taken.size());
+    std::string why =
+        taken.empty() ? "no view of it is reached" : "closer views show nothing but known stones";
+    if (!taken.empty()) {
+      std::vector<DepthView> views;
+      for (const SurveyView& view : taken) views.push_back({view.view.image, view.view.T_W_C});
+      const modelling::AlignedScene scene = modelling::align_scene(views, options_.modelling);
+      const int object = object_near(scene, thing.p_W, known_W_);
+      if (object >= 0) why = add(scene, object, mass, field);
+    }
+    if (!why.empty())
+      field.left_out.push_back(concat("object at (", thing.p_W.x(), ", ", thing.p_W.y(), ") m: ", why));
+  }
+
+ private:
+  /// Why it is none; empty: it is added.
+  std::string add(const modelling::AlignedScene& scene, int object, std::optional<double> mass,
+                  ModelledField& field) {
+    if (std::string why = unfit_view(scene, object); !why.empty()) return why;
+    StoneCandidate candidate;
+    const modelling::LyingObject lying{&scene, object};
+    candidate.made.name = modelled_name(w_.models.catalogue->stones.size() + field.stones.size() + 1);
+    candidate.made.mass = mass;
+    try {
+      candidate.model = modelling::model_object({&lying, 1}, options_.modelling);
+      candidate.stone = stone_of_model(candidate.model, candidate.made, options_);
+    } catch (const FileError& problem) {
+      return problem.what();
+    }
+    if (std::string why = unfit_for_gripper(candidate.stone, scene_.gripper, *w_.models.robot); !why.empty())
+      return why;
+    describe_model(candidate);
+    candidate.made.note = "modelled from one side while the run went on";
+    candidate.made.T_W_O = candidate.stone.T_O_file.inverse();
+    field.stones.push_back(std::move(candidate.made));
+    field.catalogue.stones.push_back(std::move(candidate.stone));
+    return {};
+  }
+
+  Workcell& w_;
+  std::vector<UnknownThing> things_;
+  Journal* journal_;
+  ModelFieldOptions options_;
+  PlanningScene scene_;
+  std::vector<Mesh> known_W_;  ///< stones where they are
+};
+
+}  // namespace
+
+ModelledField model_unrecognised(Workcell& w, const WorldEstimate& world, const RunMemory& memory,
+                                 const std::vector<StoneIndex>& lost, Journal* journal) {
+  ModelledField field;
+  const double start = w.cell.clock.now();
+  Modeller modeller(w, world, things_to_model(w, world, memory), journal);
+  const bool same_stone = lost.size() == 1 && modeller.things().size() == 1;
+  for (const UnknownThing& thing : modeller.things()) {
+    throw_if_interrupted();
+    if (field.stones.size() == lost.size()) break;
+    modeller.model(thing, same_stone ? std::optional(w.models.stone(lost.front()).mass.mass) : std::nullopt,
+                   field);
+  }
+  field.seconds = w.cell.clock.now() - start;
+  w.seconds.motion += field.seconds;
+  return field;
+}
+
+}  // namespace stonestack::stacking
