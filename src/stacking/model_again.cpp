@@ -62,7 +62,9 @@ bool join(const AlignedScene& first, const AlignedScene& second, int object, con
   const LyingObject lying[] = {{&first, candidate.object, Pose::Identity()}, {&second, object, T_W_O}};
   ObjectModel both = modelling::model_object(lying, options.modelling);
   try {
-    candidate.stone = stone_of_model(both, candidate.made, options);
+    candidate.stone =
+        stone_of_model(both, candidate.made, options,
+                       {Eigen::Vector3d::UnitZ(), T_W_O.linear().transpose() * Eigen::Vector3d::UnitZ()});
   } catch (const FileError& problem) {
     log_debug(concat(candidate.stone.name, ", of both surveys: ", problem.what()));
     return false;
@@ -76,6 +78,15 @@ bool join(const AlignedScene& first, const AlignedScene& second, int object, con
   candidate.found_again = true;
   describe_model(candidate);
   return true;
+}
+
+/// Are the vertices of the scan those of the model, one after the other? A repaired scan has others.
+bool same_vertices(const Stone& stone, const Mesh& model) {
+  constexpr double kSame = 1e-6;  // m
+  return std::equal(stone.scan.vertices.begin(), stone.scan.vertices.end(), model.vertices.begin(),
+                    model.vertices.end(), [&](const Eigen::Vector3d& p_O, const Eigen::Vector3d& p) {
+                      return (p_O - stone.T_O_file * p).norm() < kSame;
+                    });
 }
 
 }  // namespace
@@ -117,12 +128,19 @@ std::string unfit_view(const AlignedScene& scene, int object) {
   return {};
 }
 
-Stone stone_of_model(const ObjectModel& model, const ModelledStone& made, const ModelFieldOptions& options) {
+Stone stone_of_model(const ObjectModel& model, const ModelledStone& made, const ModelFieldOptions& options,
+                     const std::vector<Eigen::Vector3d>& up_at_rest) {
   ModelOptions stone;
   stone.density = options.stone.density;
   stone.friction = options.stone.friction;
   stone.mass = made.mass.value_or(0.0);
-  return model_stone(model.mesh, made.name, "modelled by the arm's camera", stone).stone;
+  Stone made_of = model_stone(model.mesh, made.name, "modelled by the arm's camera", stone).stone;
+  if (same_vertices(made_of, model.mesh)) {
+    made_of.surface = SurfaceKnowledge{model.sigma, model.seen, {}};
+    for (const Eigen::Vector3d& up : up_at_rest)
+      made_of.surface->up_O_at_rest.push_back((made_of.T_O_file.linear() * up).normalized());
+  }
+  return made_of;
 }
 
 void describe_model(StoneCandidate& candidate) {

@@ -36,9 +36,12 @@ struct StoneCandidate {
 [[nodiscard]] std::string unfit_object(const modelling::AlignedScene& scene, int object,
                                        const CellLayout& layout);
 /// The stone of a model, with the mass that was weighed.
+/// @param up_at_rest in the frame of the model: upwards while it lay on the table
 /// @throws FileError for a model that is no stone
 [[nodiscard]] Stone stone_of_model(const modelling::ObjectModel& model, const ModelledStone& made,
-                                   const ModelFieldOptions& options);
+                                   const ModelFieldOptions& options,
+                                   const std::vector<Eigen::Vector3d>& up_at_rest = {
+                                       Eigen::Vector3d::UnitZ()});
 /// Writes into `made` how much of the candidate was seen, and how well.
 void describe_model(StoneCandidate& candidate);
 /// Models the stones anew with what a second survey shows of them once they were moved: joined with what was

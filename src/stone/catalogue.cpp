@@ -5,7 +5,9 @@
 
 #include "stone/stone_check.hpp"
 #include "stone/stone_yaml.hpp"
+#include "stone/surface_file.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
 #include "stonestack/geometry/mesh.hpp"
 
 namespace stonestack::stone {
@@ -13,6 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::size_t kMaxSurface = std::size_t{1} << 27;  // bytes
 constexpr const char* kMakeOne = "make stones with `stonestack scan FILE --catalogue DIR`";
 
 /// Edits (insertions, deletions, changes) between two names (Levenshtein 1966).
@@ -42,6 +45,9 @@ Stone read_stone(const fs::path& folder) {
   stone.scan = read_mesh((folder / "scan.ply").string());
   for (int n = 1; n <= file.pieces; ++n)
     stone.pieces.push_back(read_mesh((folder / "pieces" / concat(n, ".ply")).string()));
+  const std::string surface = (folder / kSurfaceFile).string();
+  if (fs::exists(surface))
+    stone.surface = surface_of(read_file(surface, kMaxSurface), surface, stone.scan.vertices.size());
   check_stone(stone, folder.string());
   return stone;
 }

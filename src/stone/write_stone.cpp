@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "stone/stone_yaml.hpp"
+#include "stone/surface_file.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/geometry/mesh.hpp"
@@ -64,6 +65,7 @@ void write_stone(const std::string& catalogue_path, const Stone& stone) {
   write_mesh((part.path / "scan.ply").string(), stone.scan);
   for (std::size_t n = 0; n < stone.pieces.size(); ++n)
     write_mesh((part.path / "pieces" / concat(n + 1, ".ply")).string(), stone.pieces[n]);
+  if (stone.surface) write_file((part.path / kSurfaceFile).string(), surface_json(*stone.surface));
   write_file((part.path / "stone.yaml").string(), stone_to_yaml(stone, find_symmetries(stone.mesh)));
   put_in_place(part.path, catalogue / stone.name);
 }

@@ -5,6 +5,7 @@
 #include <functional>
 #include <iosfwd>
 #include <iterator>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -91,21 +92,31 @@ struct Deviation {
   double worst = 0.0;   ///< largest distance [m]
 };
 
+/// How well the surface of a stone is known that was modelled from views.
+struct SurfaceKnowledge {
+  std::vector<double>
+      sigma;  ///< a vertex of the scan each: standard deviation of its distance from the surface [m]
+  std::vector<char> seen;  ///< a vertex each: 1 where a view showed it, 0 where it was completed
+  /// Unit vectors in O that pointed up while the stone lay at rest on the table
+  std::vector<Eigen::Vector3d> up_O_at_rest;
+};
+
 /// Model of a stone: its scan, measured once. Frame O: origin at the centre of mass
 /// of the uniform scan, axes of the scanned file unless asked otherwise.
 struct Stone {
-  std::string name;                  ///< name of the stone and of its folder
-  Mesh mesh;                         ///< at most 500 faces: detection, rough search (paper §4.1)
-  Mesh scan;                         ///< full resolution: contact, verdict, the true world
-  std::vector<Mesh> pieces;          ///< convex pieces: motion's collision checks
-  MassProperties mass;               ///< in O
-  double friction = 0.1;             ///< stone on stone, what the planner assumes (paper §4.1)
-  double density = 2600.0;           ///< [kg/m^3]
-  Pose T_O_file = Pose::Identity();  ///< where the scanned file's frame, scaled to metres, lies in O
-  double scale = 1.0;                ///< metres per unit of the scanned file
-  std::string source;                ///< file or generator with seed
-  Deviation mesh_deviation;          ///< of the reduced mesh from the scan, in both directions
-  Deviation contact_deviation;       ///< of the surface that physics collides with from the scan
+  std::string name;                         ///< name of the stone and of its folder
+  Mesh mesh;                                ///< at most 500 faces: detection, rough search (paper §4.1)
+  Mesh scan;                                ///< full resolution: contact, verdict, the true world
+  std::vector<Mesh> pieces;                 ///< convex pieces: motion's collision checks
+  MassProperties mass;                      ///< in O
+  double friction = 0.1;                    ///< stone on stone, what the planner assumes (paper §4.1)
+  double density = 2600.0;                  ///< [kg/m^3]
+  Pose T_O_file = Pose::Identity();         ///< where the scanned file's frame, scaled to metres, lies in O
+  double scale = 1.0;                       ///< metres per unit of the scanned file
+  std::string source;                       ///< file or generator with seed
+  Deviation mesh_deviation;                 ///< of the reduced mesh from the scan, in both directions
+  Deviation contact_deviation;              ///< of the surface that physics collides with from the scan
+  std::optional<SurfaceKnowledge> surface;  ///< empty: the scan shows all of it as well as it is
 };
 
 /// A stone somewhere, by index into whatever list of stones the owner holds.
