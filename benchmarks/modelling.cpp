@@ -23,9 +23,10 @@ namespace stonestack::bench {
 namespace {
 
 constexpr int kAlignSteps = 30;
-constexpr double kOtherSide = 0.35;  // rad between two attitudes on different sides
-constexpr double kSamePlace = 0.02;  // m between where a stone is and where its model says
-constexpr double kGate = 0.006;      // m between surfaces that are brought together to compare them
+constexpr double kOtherSide = 0.35;   // rad between two attitudes on different sides
+constexpr double kSamePlace = 0.02;   // m between where a stone is and where its model says
+constexpr double kUnderside = 0.010;  // m above the table: what other stones are stood on
+constexpr double kGate = 0.006;       // m between surfaces that are brought together to compare them
 
 /// Brings `from` to lie on `onto` (iterated closest points, point to plane), from a pose near it.
 Pose aligned(const Mesh& from, const SurfaceTree& onto, Pose T_onto_from) {
@@ -73,7 +74,34 @@ struct ModellingTally {
   int wanted = 0, modelled = 0, lies_otherwise = 0, turned = 0, placed = 0, within = 0, stopped = 0,
       foreign = 0;
   std::vector<double> median, worst, seconds, host;
+  std::vector<double> of_seen, of_unseen, of_underside;  ///< errors over the model's standard deviations
+  std::vector<double>
+      below;  ///< m by which the true surface is outside of the model's where that was not seen
 };
+
+double root_mean_square(const std::vector<double>& list) {
+  double sum = 0.0;
+  for (const double value : list) sum += value * value;
+  return list.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(list.size()));
+}
+
+/// Compares the errors of a model with what it says of them. `T_true_model` brings it onto the true surface.
+void compare_uncertainty(const Stone& model, const SurfaceTree& truth, const Pose& T_true_model,
+                         ModellingTally& tally) {
+  if (!model.surface || model.surface->up_O_at_rest.empty()) return;
+  const Eigen::Vector3d& up_O = model.surface->up_O_at_rest.front();
+  double lowest = 1e9;
+  for (const auto& p : model.scan.vertices) lowest = std::min(lowest, up_O.dot(p));
+  for (std::size_t v = 0; v < model.scan.vertices.size(); ++v) {
+    const Eigen::Vector3d& p = model.scan.vertices[v];
+    const double error = -truth.nearest(T_true_model * p).distance;
+    const double ratio = error / model.surface->sigma[v];
+    (model.surface->seen[v] != 0 ? tally.of_seen : tally.of_unseen).push_back(ratio);
+    if (model.surface->seen[v] != 0) continue;
+    tally.below.push_back(error);
+    if (up_O.dot(p) - lowest < kUnderside) tally.of_underside.push_back(ratio);
+  }
+}
 
 void model_run(const ModellingCommand& command, std::uint64_t seed, const std::vector<Stone>& stones,
                const RobotModel& robot, ModellingTally& tally, Results& results) {
@@ -126,6 +154,7 @@ void model_run(const ModellingCommand& command, std::uint64_t seed, const std::v
     const std::vector<double> off = distances(model, is.scan, T_true_model);
     const double median = quantile(off, 0.5), most = quantile(off, 0.95);
     const double volume_error = volume(model) / volume(is.scan) - 1.0;
+    compare_uncertainty(field.catalogue.stones[k], surface, T_true_model, tally);
     ++tally.modelled;
     tally.turned += made.turned ? 1 : 0;
     const Eigen::Vector3d up_O = T_W_O_first[index].linear().transpose() * Eigen::Vector3d::UnitZ();
@@ -176,12 +205,18 @@ void measure_modelling(const ModellingCommand& command, Results& results) {
                         {"foreign"},
                         {"median_mm", 2},
                         {"p95_mm", 2},
+                        {"seen_errors_over_sigma", 2},
+                        {"unseen_errors_over_sigma", 2},
+                        {"underside_errors_over_sigma", 2},
+                        {"unseen_outside_mm", 2},
                         {"robot_seconds_a_stone", 0},
                         {"host_seconds_a_run", 0}});
   const auto mid = [](const std::vector<double>& list) { return list.empty() ? 0.0 : quantile(list, 0.5); };
   results.row({tally.wanted, tally.modelled, tally.lies_otherwise, tally.turned, tally.placed, tally.within,
                tally.stopped, tally.foreign, 1e3 * mid(tally.median), 1e3 * mid(tally.worst),
-               mid(tally.seconds), mid(tally.host)});
+               root_mean_square(tally.of_seen), root_mean_square(tally.of_unseen),
+               root_mean_square(tally.of_underside), 1e3 * mid(tally.below), mid(tally.seconds),
+               mid(tally.host)});
 }
 
 }  // namespace

@@ -63,11 +63,10 @@ bool rests_with(const Mesh& surface_O, const Eigen::Vector3d& p_O_M, const Eigen
   double nearest = std::numeric_limits<double>::max();
   double cosine = -1.0;
   for (std::size_t f = 0; f < hull.faces.size(); ++f) {
+    const double inside = normals[f].dot(hull.vertices[static_cast<std::size_t>(hull.faces[f][0])] - p_O_M);
+    if (inside < 0.0) return false;
     const double towards = -normals[f].dot(up_O);
-    if (towards <= 1e-9) continue;
-    const double away =
-        normals[f].dot(hull.vertices[static_cast<std::size_t>(hull.faces[f][0])] - p_O_M) / towards;
-    if (away < nearest) nearest = away, cosine = towards;
+    if (towards > 1e-9 && inside / towards < nearest) nearest = inside / towards, cosine = towards;
   }
   return cosine >= std::cos(max_tilt);
 }

@@ -118,11 +118,17 @@ TEST(RunPage, ChangesInOrderMakeThePage) {
   }
   const json page = json::parse(page_data(whole, stones(), robot(), ""));
   EXPECT_EQ(samples, decoded(page["samples"].get<std::string>()));
-  EXPECT_EQ(live.size(), 14u);
+  EXPECT_EQ(live.size(), 15u);
   for (const auto& [name, value] : live.items()) EXPECT_EQ(value, page[name]) << name;
   EXPECT_EQ(json::parse(page_changes(so_far, stones(), robot(), position)),
             json::parse(R"({"samples": "", "views": [], "towers": [], "decisions": [], "events": []})"))
       << "nothing has changed since";
+
+  Catalogue grown = stones();
+  grown.stones.push_back(stones()[0_stone]);
+  const json more = json::parse(page_changes(so_far, grown, robot(), position));
+  EXPECT_EQ(more.at("stones").size(), stones().stones.size() + 1) << "a stone was modelled on the way";
+  EXPECT_FALSE(json::parse(page_changes(so_far, grown, robot(), position)).contains("stones"));
 }
 
 TEST(RunPage, ListsOptionsThatDifferFromTheirDefaults) {

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "stacking/heard.hpp"
+#include "stacking/learn.hpp"
 #include "stacking/state_file.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
@@ -156,6 +157,26 @@ TEST(ChooseAction, WithoutAStoneInSightARunEnds) {
   EXPECT_EQ(std::get<Stop>(decision.action).end, RunEnd::kNothingSeen);
 }
 
+TEST(ChooseAction, ModelsWhatIsNotRecognisedWhereNobodyScannedTheStones) {
+  State state = read("place");
+  state.options.unseen = true;
+  std::vector<StoneIndex> lost;  // the state has four of the six stones of the catalogue
+  for (const StoneIndex stone : first_stones(limestones().stones.size()))
+    if (!holds(state.world.stack, stone) && !holds(state.world.loose, stone)) lost.push_back(stone);
+  ASSERT_FALSE(lost.empty());
+  const Decision decision = decide(state);
+  const auto* model = std::get_if<ModelAnew>(&decision.action);
+  ASSERT_NE(model, nullptr) << name_of(decision.action);
+  EXPECT_EQ(model->lost, lost);
+  state.memory = remember_modelled(state.memory, lost, {}, models());
+  EXPECT_TRUE(std::holds_alternative<Place>(decide(state).action)) << "once is enough";
+
+  State reached = read("place");
+  reached.options.unseen = true;
+  reached.options.max_stones = static_cast<int>(reached.world.stack.size());
+  EXPECT_TRUE(std::holds_alternative<Stop>(decide(reached).action));
+}
+
 /// Grasps that failed are tried again before a run ends, and only then.
 /// The tower of "stop" without its top stone, which lies where nothing lifts it.
 State with_top_out_of_reach() {
@@ -225,6 +246,19 @@ TEST(StateFile, IsReadAsItWasWritten) {
     std::filesystem::remove(path);
     std::filesystem::remove(path + ".2");
   }
+}
+
+TEST(StateFile, KeepsWhatIsNoStoneAndWhatWasModelledAnew) {
+  State state = read("place");
+  state.memory.modelled_anew = {2_stone};
+  state.memory.p_W_objects = {{0.4, -0.1}};
+  const std::string path = test::temporary_folder() + "state_modelled.json";
+  write_state(path, state.world, state.memory, models(), state.options);
+  const State again = read_state(path, limestones());
+  EXPECT_EQ(again.memory.modelled_anew, state.memory.modelled_anew);
+  ASSERT_EQ(again.memory.p_W_objects.size(), 1U);
+  EXPECT_LT((again.memory.p_W_objects[0] - state.memory.p_W_objects[0]).norm(), 1e-12);
+  std::filesystem::remove(path);
 }
 
 TEST(StateFile, KeepsWhatWasComparedWithAPlan) {

@@ -47,6 +47,30 @@ StoneCandidate moved_candidate(const AlignedScene& first, const Pose& meant_W) {
   return candidate;
 }
 
+TEST(StoneOfModel, SaysWhatOfItsSurfaceWasSeen) {
+  const AlignedScene scene = align_scene(views_of({frustum(false)}, cameras_around(4)));
+  ASSERT_EQ(scene.segmentation.objects.size(), 1U);
+  const LyingObject lying{&scene, 0};
+  ModelledStone made;
+  made.name = "stone_1";
+  const Stone stone = stone_of_model(modelling::model_object({&lying, 1}, {}), made, {});
+  ASSERT_TRUE(stone.surface.has_value());
+  ASSERT_EQ(stone.surface->sigma.size(), stone.scan.vertices.size());
+  ASSERT_EQ(stone.surface->up_O_at_rest.size(), 1U);
+  const Eigen::Vector3d& up_O = stone.surface->up_O_at_rest[0];
+  double low = 1e9, high = -1e9;
+  for (const auto& p : stone.scan.vertices)
+    low = std::min(low, up_O.dot(p)), high = std::max(high, up_O.dot(p));
+  int top_seen = 0, top = 0, bottom_seen = 0, bottom = 0;
+  for (std::size_t v = 0; v < stone.scan.vertices.size(); ++v) {
+    const double z = up_O.dot(stone.scan.vertices[v]);
+    if (z > high - 0.002) ++top, top_seen += stone.surface->seen[v];
+    if (z < low + 0.001) ++bottom, bottom_seen += stone.surface->seen[v];
+  }
+  EXPECT_GT(top_seen, 0.9 * top);
+  EXPECT_LT(bottom_seen, 0.3 * bottom);
+}
+
 CellLayout layout_here() {
   CellLayout layout;
   layout.field_centre = Eigen::Vector2d::Zero();

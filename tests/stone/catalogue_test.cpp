@@ -75,6 +75,51 @@ TEST_F(CatalogueTest, GivesBackWhatWasWritten) {
     ASSERT_LT((again.scan.vertices[v] - stone.scan.vertices[v]).norm(), 1e-7);
 }
 
+TEST_F(CatalogueTest, KeepsHowWellASurfaceIsKnown) {
+  Stone stone = box_;
+  SurfaceKnowledge known;
+  for (std::size_t v = 0; v < stone.scan.vertices.size(); ++v) {
+    known.sigma.push_back(0.001 / static_cast<double>(v + 1));
+    known.seen.push_back(v % 2 == 0 ? 1 : 0);
+  }
+  known.up_O_at_rest = {Eigen::Vector3d(0.6, 0.0, 0.8)};
+  stone.surface = known;
+  write_stone(folder_, stone);
+  const Stone again = read_catalogue(folder_).stones[0];
+  ASSERT_TRUE(again.surface.has_value());
+  EXPECT_EQ(again.surface->sigma, known.sigma);
+  EXPECT_EQ(again.surface->seen, known.seen);
+  ASSERT_EQ(again.surface->up_O_at_rest.size(), 1U);
+  EXPECT_LT((again.surface->up_O_at_rest[0] - known.up_O_at_rest[0]).norm(), 1e-15);
+  write_stone(folder_, box_);
+  EXPECT_FALSE(read_catalogue(folder_).stones[0].surface.has_value()) << "that of the old stone is gone";
+}
+
+TEST_F(CatalogueTest, NamesWhatIsWrongWithTheFileOfASurface) {
+  const std::string head = R"({"schema": "stonestack.surface/1", )";
+  std::string eight = "[0", marks = "[1";
+  for (std::size_t v = 1; v < box_.scan.vertices.size(); ++v) eight += ", 0.001", marks += ", 0";
+  eight += "]", marks += "]";
+  const auto says = [&](const std::string& text) {
+    write_file(file("surface.json"), text);
+    return problem();
+  };
+  const std::string good = R"("sigma_m": )" + eight + R"(, "seen": )" + marks;
+  EXPECT_EQ(says(head + good + R"(, "up_at_rest": [[0, 0, 1]]})"), "");
+  EXPECT_THAT(says("{"), HasSubstr("surface.json"));
+  EXPECT_THAT(says("[]"), HasSubstr("surface.json"));
+  EXPECT_THAT(says(R"({"schema": "stonestack.surface/2"})"), HasSubstr("schema"));
+  EXPECT_THAT(says(head + R"("sigma_m": [0.1], "seen": [1], "up_at_rest": []})"), HasSubstr("vertices"));
+  EXPECT_THAT(says(head + good + R"(, "up_at_rest": [[0, 0, 2]]})"), HasSubstr("length 2"));
+  EXPECT_THAT(says(head + good + R"(, "up_at_rest": [[0, 1]]})"), HasSubstr("three numbers"));
+  std::string negative = good;
+  negative.replace(negative.find("[0,"), 3, "[-1,");
+  EXPECT_THAT(says(head + negative + R"(, "up_at_rest": []})"), HasSubstr("-1 m"));
+  std::string text = good;
+  text.replace(text.find("[0,"), 3, "[\"a\",");
+  EXPECT_THAT(says(head + text + R"(, "up_at_rest": []})"), HasSubstr("surface.json"));
+}
+
 TEST_F(CatalogueTest, ReplacesAStoneWholeAndLeavesNothingElse) {
   Stone heavier = box_;
   heavier.mass.mass *= 1.1;
