@@ -75,8 +75,7 @@ struct ModellingTally {
       foreign = 0;
   std::vector<double> median, worst, seconds, host;
   std::vector<double> of_seen, of_unseen, of_underside;  ///< errors over the model's standard deviations
-  std::vector<double>
-      below;  ///< m by which the true surface is outside of the model's where that was not seen
+  std::vector<double> below;  ///< distances of the true surface outside of what was completed [m]
 };
 
 double root_mean_square(const std::vector<double>& list) {

@@ -12,7 +12,7 @@ namespace stonestack::stone {
 namespace {
 
 constexpr double kFeature = 0.025;    // m: width of what is displaced together, as of lumps on scanned rocks
-constexpr double kMostSigmas = 2.5;   // a displacement is no larger
+constexpr double kMaxSigmas = 2.5;    // a displacement is no larger
 constexpr double kRestTilt = 0.15;    // rad between the attitude in which it lay and the displaced shape's
 constexpr int kDrawsEach = 8;         // for a scan that rests
 constexpr double kMinSigma = 0.0005;  // m: where all is known better, nothing is displaced
@@ -46,7 +46,7 @@ Mesh displaced(const Stone& stone, const std::vector<Eigen::Vector3d>& normals, 
   const std::vector<double> noise = unit_noise(stone.scan, seed);
   Mesh mesh = stone.scan;
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
-    mesh.vertices[v] += known.sigma[v] * std::clamp(noise[v], -kMostSigmas, kMostSigmas) * normals[v];
+    mesh.vertices[v] += known.sigma[v] * std::clamp(noise[v], -kMaxSigmas, kMaxSigmas) * normals[v];
   for (const Eigen::Vector3d& up_O : known.up_O_at_rest) {
     const double table = lowest_along(stone.scan, up_O);
     for (Eigen::Vector3d& p : mesh.vertices) p += std::max(0.0, table - up_O.dot(p)) * up_O;

@@ -25,7 +25,7 @@ SurfaceKnowledge knowledge_of(const json& j, std::size_t vertices) {
   require(j.at("schema").get<std::string>() == kSurfaceSchema, "its schema is not ", kSurfaceSchema);
   SurfaceKnowledge surface;
   surface.sigma = j.at("sigma_m").get<std::vector<double>>();
-  for (const json& seen : j.at("seen")) surface.seen.push_back(seen.get<int>() != 0 ? 1 : 0);
+  for (const json& seen : j.at("seen")) surface.seen.push_back(seen.get<double>() != 0.0 ? 1 : 0);
   require(surface.sigma.size() == vertices && surface.seen.size() == vertices, "it has ",
           surface.sigma.size(), " standard deviations and ", surface.seen.size(), " marks, scan.ply has ",
           vertices, " vertices");

@@ -14,7 +14,7 @@ endmacro()
 stonestack_files(parsers core field_file file options yaml)
 stonestack_files(parsers geometry bop_folder cloud_file depth_image depth_png depth_sequence lzf mesh_file mesh_import obj obstacle pair_padding pcd
   ply ply_header pose_yaml stl)
-stonestack_files(parsers stone scene_file scene_text stone_yaml)
+stonestack_files(parsers stone scene_file scene_text stone_yaml surface_file)
 stonestack_files(parsers search wall/wall_target)
 stonestack_files(parsers kinematics calibration dh hand_eye_file gripper_file mesh_uri robot_model urdf urdf_shapes xml_guard)
 stonestack_files(parsers physics block_assembly)

@@ -1,3 +1,4 @@
+# SANITIZE: sanitizers that the library is built with; a program that uses it needs the same.
 # Installs everything, builds a project that knows nothing of this tree against it, and runs the installed programs, also
 # after the prefix has been moved.
 file(REMOVE_RECURSE "${WORK}")
@@ -27,7 +28,11 @@ run(${CMAKE_COMMAND} --install "${BUILD}" --prefix "${WORK}/prefix")
 if(NOT EXISTS "${WORK}/prefix/share/doc/stonestack/LICENSE")
   message(FATAL_ERROR "LICENSE is not installed")
 endif()
-run(${CMAKE_COMMAND} -S "${CONSUMER}" -B "${WORK}/build" -G Ninja "-DCMAKE_PREFIX_PATH=${WORK}/prefix" -DCMAKE_BUILD_TYPE=Release)
+if(SANITIZE)
+  set(flags "-DCMAKE_CXX_FLAGS=-fsanitize=${SANITIZE}")
+endif()
+run(${CMAKE_COMMAND} -S "${CONSUMER}" -B "${WORK}/build" -G Ninja "-DCMAKE_PREFIX_PATH=${WORK}/prefix" -DCMAKE_BUILD_TYPE=Release
+  ${flags})
 run(${CMAKE_COMMAND} --build "${WORK}/build")
 run(${CMAKE_COMMAND} -E env --unset=STONESTACK_DATA "LD_LIBRARY_PATH=${WORK}/prefix/lib/x86_64-linux-gnu:${WORK}/prefix/lib" "${WORK}/build/consumer"
   "${WORK}/prefix/share/stonestack")
