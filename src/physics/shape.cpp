@@ -5,16 +5,11 @@
 #include <algorithm>
 
 #include "physics/shape_store.hpp"
-#include "stone/displaced_scan.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::physics {
 
 namespace {
-
-constexpr int kDisplacedShapes = 8;  // of a stone of which not all is known; as many as displaced worlds
-constexpr std::uint64_t kDisplacedSeed =
-    71;  // of their draws: the same stone has the same shapes in each run
 
 /// The shape holds the whole geometry, so that as long as it lives others find that.
 std::shared_ptr<const ContactShape> shape_of(const Mesh& scan, const MassProperties& mass,
@@ -23,31 +18,13 @@ std::shared_ptr<const ContactShape> shape_of(const Mesh& scan, const MassPropert
   double radius = 0.0;
   for (const auto& v : scan.vertices) radius = std::max(radius, (v - mass.p_O_M).norm());
   return std::make_shared<const ContactShape>(
-      ContactShape{name,
-                   geometry->distance,
-                   geometry->samples,
-                   mass,
-                   radius,
-                   scan,
-                   std::shared_ptr<const SurfaceFeatures>(geometry, geometry->features.get()),
-                   {}});
+      ContactShape{name, geometry->distance, geometry->samples, mass, radius, scan,
+                   std::shared_ptr<const SurfaceFeatures>(geometry, geometry->features.get())});
 }
 
 void require_possible(const MassProperties& mass, const std::string& name) {
   const std::string problem = check(mass);
   require(problem.empty(), "stone ", name, ": ", problem);
-}
-
-/// With the shapes that the stone may have as well.
-std::shared_ptr<const ContactShape> shape_of_stone(const Stone& stone, const ShapeOptions& options) {
-  throw_if_interrupted();
-  const auto known = make_contact_shape(stone.scan, stone.mass, stone.name, options);
-  const std::vector<Mesh> scans = stone::displaced_scans(stone, kDisplacedShapes, kDisplacedSeed);
-  if (scans.empty()) return known;
-  ContactShape shape = *known;
-  for (const Mesh& scan : scans)
-    shape.may_be.push_back(shape_of(scan, stone.mass, stone.name, make_geometry(scan, options)));
-  return std::make_shared<const ContactShape>(std::move(shape));
 }
 
 }  // namespace
@@ -64,8 +41,10 @@ ShapeList make_contact_shapes(const std::vector<Stone>& stones) {
 
 ShapeList make_contact_shapes(const std::vector<Stone>& stones, const ShapeOptions& options) {
   std::vector<std::shared_ptr<const ContactShape>> shapes(stones.size());
-  tbb::parallel_for(std::size_t{0}, stones.size(),
-                    [&](std::size_t i) { shapes[i] = shape_of_stone(stones[i], options); });
+  tbb::parallel_for(std::size_t{0}, stones.size(), [&](std::size_t i) {
+    throw_if_interrupted();
+    shapes[i] = make_contact_shape(stones[i].scan, stones[i].mass, stones[i].name, options);
+  });
   return shapes;
 }
 

@@ -30,8 +30,6 @@ struct ContactShape {
   double radius = 0.0;                              ///< of the bounding sphere about the centre of mass [m]
   Mesh scan;                                        ///< full resolution, in O: what heightmaps are made from
   std::shared_ptr<const SurfaceFeatures> features;  ///< of `scan`
-  /// Shapes that the stone may have as well, where not all of its surface is known; with the same mass.
-  std::vector<std::shared_ptr<const ContactShape>> may_be;
 };
 /// Throws InvalidArgument if the scan is not closed or the mass is not possible.
 [[nodiscard]] std::shared_ptr<const ContactShape> make_contact_shape(const Mesh& scan,

@@ -44,15 +44,10 @@ SearchContext make_context(const SearchProblem& problem, const SearchOptions& op
   context.report = report;
   context.stack = problem.stack;
   context.geometry.resize(problem.shapes->size());
-  context.displaced.resize(problem.shapes->size());
   for (const auto* list : {&problem.stack.stones, &problem.available})
     for (const PlacedStone& placed : *list) {
       StoneGeometry& geometry = at(context.geometry, placed.stone);
-      if (!geometry.faces.empty()) continue;
-      const ContactShape& shape = *at(*problem.shapes, placed.stone);
-      geometry = stone_geometry(shape);
-      for (const auto& other : shape.may_be)
-        at(context.displaced, placed.stone).push_back(stone_geometry(*other));
+      if (geometry.faces.empty()) geometry = stone_geometry(*at(*problem.shapes, placed.stone));
     }
   for (const PlacedStone& placed : problem.available)
     if (!in_stack(problem.stack, placed.stone)) context.available.push_back(placed);

@@ -8,10 +8,9 @@ namespace stonestack::search {
 struct SearchContext {
   const SearchProblem* problem = nullptr;
   const SearchOptions* options = nullptr;
-  std::vector<StoneGeometry> geometry;                ///< one for each shape
-  std::vector<std::vector<StoneGeometry>> displaced;  ///< likewise, one for each of `ContactShape::may_be`
-  Stack stack;                                        ///< as it stands after a check, perhaps a little moved
-  std::vector<PlacedStone> available;                 ///< without the stones of the stack
+  std::vector<StoneGeometry> geometry;  ///< one for each shape
+  Stack stack;                          ///< as it stands after a check, perhaps a little moved
+  std::vector<PlacedStone> available;   ///< without the stones of the stack
   bool tower = true;  ///< a stone touches those next to it in the stack alone; false: a wall
   Stopwatch watch;
   std::function<void(const std::string&)> report;

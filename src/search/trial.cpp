@@ -27,39 +27,20 @@ Stack with(const Stack& stack, StoneIndex stone, const Pose& T_W_O) {
   return higher;
 }
 
-/// The shape that a stone has in one of the worlds that are tried.
-struct WorldShapes {
-  ShapeList shapes;
-  const StoneGeometry* geometry = nullptr;  ///< of the stone
-};
-
-/// As the stone is known; world by world also as it may be, where not all of its surface is known.
-WorldShapes shapes_in_world(const SearchContext& context, StoneIndex stone, int k) {
-  WorldShapes world{context.shapes(), &at(context.geometry, stone)};
-  const auto& may_be = at(context.shapes(), stone)->may_be;
-  if (may_be.empty()) return world;
-  const std::size_t which = static_cast<std::size_t>(k) % may_be.size();
-  at(world.shapes, stone) = may_be[which];
-  world.geometry = &at(context.displaced, stone)[which];
-  return world;
-}
-
 /// A proposed pose lifted to just above the first touch.
-Pose lifted(const SearchContext& context, const Stack& below, const StoneGeometry& geometry,
-            const Pose& T_W_O) {
-  BodyPose body = body_pose(geometry, T_W_O);
+Pose lifted(const SearchContext& context, const Stack& below, StoneIndex stone, const Pose& T_W_O) {
+  BodyPose body = body_pose(at(context.geometry, stone), T_W_O);
   body.p_W_M.z() = resting_height(bodies_of(context, below), body) + kDrop;
   return stone_pose(body);
 }
 
-SettleResult lowered(const SearchContext& context, const WorldShapes& world, const Stack& below,
-                     StoneIndex stone, const Pose& T_W_O,
+SettleResult lowered(const SearchContext& context, const Stack& below, StoneIndex stone, const Pose& T_W_O,
                      const Eigen::Vector3d& com_error_O = Eigen::Vector3d::Zero()) {
   SettleOptions options;
   options.world.friction = context.options->friction;
   options.com_error_O = com_error_O;
   options.any_support = !context.tower;
-  return settle(world.shapes, below, stone, lifted(context, below, *world.geometry, T_W_O), options);
+  return settle(context.shapes(), below, stone, lifted(context, below, stone, T_W_O), options);
 }
 
 Eigen::Vector3d com_of(const SearchContext& context, const PlacedStone& placed) {
@@ -128,8 +109,8 @@ StandOptions displaced_verdict(const SearchContext& context, const Stack& stack,
 }
 
 /// Does a stack stand in the k-th of the worlds?
-bool stands(const SearchContext& context, const ShapeList& shapes, const Stack& stack, int k) {
-  const StandVerdict verdict = judge_stack(shapes, stack, displaced_verdict(context, stack, k));
+bool stands(const SearchContext& context, const Stack& stack, int k) {
+  const StandVerdict verdict = judge_stack(context.shapes(), stack, displaced_verdict(context, stack, k));
   return verdict.stands && (verdict.clean || !context.tower);
 }
 
@@ -138,18 +119,17 @@ bool stands(const SearchContext& context, const ShapeList& shapes, const Stack& 
 Fate try_world(const SearchContext& context, const Candidate& candidate, int k) {
   const Stack& below = *candidate.below;
   const Trial& trial = *candidate.trial;
-  const WorldShapes world = shapes_in_world(context, trial.stone, k);
   const SettleResult at_rest =
-      lowered(context, world, below, trial.stone, displaced(context, trial.stone, trial.placement.T_W_O, k),
+      lowered(context, below, trial.stone, displaced(context, trial.stone, trial.placement.T_W_O, k),
               com_error(context, trial.stone, k));
   const Stack higher = with(below, trial.stone, at_rest.T_W_O);
-  if (at_rest.rests && stands(context, world.shapes, higher, k)) {
+  if (at_rest.rests && stands(context, higher, k)) {
     if (!candidate.shake) return Fate::kStands;
-    const int left = standing_when_shaken(world.shapes, higher, displaced_verdict(context, higher, k));
+    const int left = standing_when_shaken(context.shapes(), higher, displaced_verdict(context, higher, k));
     return left == static_cast<int>(higher.stones.size()) ? Fate::kOutlasts : Fate::kStands;
   }
   const bool com_may_err = context.options->com_sigma > 0.0 && !below.stones.empty();
-  return com_may_err && !stands(context, context.shapes(), below, k) ? Fate::kUndecidable : Fate::kFalls;
+  return com_may_err && !stands(context, below, k) ? Fate::kUndecidable : Fate::kFalls;
 }
 
 Trial dropped(Trial trial, const std::string& why) {
@@ -161,8 +141,7 @@ Trial dropped(Trial trial, const std::string& why) {
 }  // namespace
 
 Trial settled_trial(const SearchContext& context, const Stack& below, Trial trial) {
-  const WorldShapes known{context.shapes(), &at(context.geometry, trial.stone)};
-  const SettleResult at_rest = lowered(context, known, below, trial.stone, trial.T_W_O);
+  const SettleResult at_rest = lowered(context, below, trial.stone, trial.T_W_O);
   trial.placement.T_W_O = at_rest.T_W_O;
   if (!at_rest.rests) return dropped(std::move(trial), concat("does not come to rest: ", at_rest.reason));
   EquilibriumOptions statics;

@@ -8,6 +8,7 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace stonestack;
+  using namespace stonestack::report;
   using fuzz::check;
   constexpr std::size_t kVertices = 4;
   try {
