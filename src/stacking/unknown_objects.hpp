@@ -14,8 +14,8 @@ namespace stonestack::stacking {
 [[nodiscard]] std::vector<Obstacle> unknown_objects(const Workcell& workcell, const Views& views,
                                                     const std::vector<PlacedStone>& stones);
 
-/// Things that the views show above the table and that belong to none of the stones, beside the tower too; the largest
-/// first. Not what is beyond the reach of what falls off the tower, or at the robot's base.
+/// Things that the views show above the table and that belong to none of the stones, beside the tower too;
+/// the largest first. Not what is beyond the reach of what falls off the tower, or at the robot's base.
 [[nodiscard]] std::vector<UnknownThing> unknown_things(const Workcell& workcell, const Views& views,
                                                        const std::vector<PlacedStone>& stones);
 /// Upright prism about what is seen of a thing, from the table up.
