@@ -28,6 +28,9 @@ if(STONESTACK_SANITIZE)
   target_compile_options(stonestack_settings INTERFACE -fsanitize=${STONESTACK_SANITIZE} -fno-sanitize=vptr -fno-sanitize-recover=undefined
     -fno-omit-frame-pointer -Wno-error)
   target_compile_definitions(stonestack_settings INTERFACE STONESTACK_SANITIZED)  # not every compiler tells by a macro of its own
+  # Eigen aligns memory by itself where it sees AddressSanitizer, and PCL's libraries, which are not sanitized, do not:
+  # what one of the two allocates the other could not free.
+  target_compile_definitions(stonestack_settings INTERFACE EIGEN_MALLOC_ALREADY_ALIGNED=1)
   target_link_options(stonestack_settings INTERFACE -fsanitize=${STONESTACK_SANITIZE})
 endif()
 
