@@ -194,8 +194,9 @@ void build(RunReport& report, Cell cell, Performance& p) {
       return;
     }
   }
-  const Catalogue known = p.stones.catalogue();  // with which the run begins
   const Catalogue& catalogue = p.stones.catalogue();
+  std::optional<Catalogue> begun;  // a run that may add stones begins with these
+  if (p.stones.modelled) begun = catalogue;
   const auto keep_stone = [&](const Stone& stone, const stacking::ModelledStone& made) {
     write_stone(catalogue.path, stone);
     p.stones.modelled->stones.push_back(stone);
@@ -210,7 +211,7 @@ void build(RunReport& report, Cell cell, Performance& p) {
                            progress.hear(event);
                          },
                          &journal, p.folder, p.mode.before_motion};
-  report.result = perform_in(watched, p.run, known, p.robot, hooks, p.mode,
+  report.result = perform_in(watched, p.run, begun ? *begun : catalogue, p.robot, hooks, p.mode,
                              p.stones.modelled ? keep_stone : stacking::ModelledHook());
   clear_progress();
 }

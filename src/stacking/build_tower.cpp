@@ -131,7 +131,9 @@ Known observe_first(Workcell& w, const ResumeWriter& resume, std::shared_ptr<con
   Expectation at_first;
   at_first.first = true;
   at_first.views = std::move(views);
-  const RunMemory empty = make_memory(w.options);
+  RunMemory empty = make_memory(w.options);
+  if (w.add_stone)
+    for (const StoneIndex stone : first_stones(w.models.shapes.size())) empty.awaited.insert(stone);
   at_first.friction = empty.friction;
   return observe_and_learn(w, at_first, empty, resume);
 }
@@ -155,6 +157,7 @@ Known observe_again(Workcell& w, ResumePoint point, const ResumeWriter& resume, 
 /// Models what may be stones that are lost, adds it to the stones of the run, and observes.
 Known model_and_observe(Workcell& w, const ModelAnew& action, const ResumeWriter& resume, Journal* journal,
                         const Known& known, const RunMemory& chosen) {
+  w.emit(ModellingBegun{action.lost});
   const ModelledField field = model_unrecognised(w, known.world, chosen, action.lost, journal);
   for (const std::string& left : field.left_out) log_info(left);
   std::vector<PlacedStone> modelled;
@@ -338,18 +341,19 @@ RunResult run_with(Cell& cell, const Catalogue& catalogue, const RobotModel& rob
   std::optional<SteppedDevices> stepped;
   if (hooks.before_motion) stepped.emplace(planned, robot, hooks.before_motion, hooks.journal);
   RecordedDevices devices(stepped ? stepped->cell() : planned, recorder.result().timeline);
-  BuildOptions used = options;
-  used.unseen = options.unseen && modelled;
+  ModelledHook add_stone;
+  if (options.unseen && modelled)
+    add_stone = [&](const Stone& stone, const ModelledStone& known) {
+      made->add(stone, planned.layout, options);
+      modelled(stone, known);
+    };
   Workcell workcell{devices.cell(),
                     models,
                     made->detection,
-                    used,
+                    options,
                     recorder.result().seconds,
                     [&](const Event& event) { recorder.hear(event); },
-                    [&](const Stone& stone, const ModelledStone& known) {
-                      made->add(stone, planned.layout, options);
-                      modelled(stone, known);
-                    }};
+                    add_stone};
   StateWriter states(workcell, hooks.states_folder);
   Stop ended;
   try {

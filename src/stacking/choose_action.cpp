@@ -17,7 +17,7 @@ namespace stonestack::stacking {
 namespace {
 
 constexpr int kMaxCleared = 4;      // tries to take stones away from the base of the tower
-constexpr int kMaxModelled = 4;     // times that what lies there is modelled while a run goes on
+constexpr int kMaxModelled = 4;     // stones in whose place something else is modelled, a run
 constexpr double kOnTable = 0.015;  // m: a lowest stone higher than that stands on something unseen
 
 /// Why nothing can be built at the site when a run begins; empty: it is free, or holds a tower of known
@@ -54,16 +54,12 @@ std::optional<Stop> stop_at_start(const Situation& s) {
   return std::nullopt;
 }
 
-/// In a run whose stones nobody scanned: stones that are nowhere to be seen lie there with a side up that
-/// their models do not have, or were not recognised from the start.
+/// Stones that are awaited and nowhere to be seen lie there with a side up that their models do not have, or
+/// were not recognised from the start.
 std::optional<Action> model_anew(const Situation& s, const RunMemory& memory) {
-  if (!s.options.unseen || static_cast<int>(memory.modelled_anew.size()) >= kMaxModelled ||
-      height_is_reached(s.arrangement, s.options))
+  if (memory.modelled_anew >= kMaxModelled || height_is_reached(s.arrangement, s.options))
     return std::nullopt;
-  ModelAnew action;
-  for (const StoneIndex stone : first_stones(s.models.shapes.size()))
-    if (!holds(s.world.stack, stone) && !holds(s.world.loose, stone) && !memory.modelled_anew.contains(stone))
-      action.lost.push_back(stone);
+  ModelAnew action{awaited_in_vain(s.world, memory)};
   if (action.lost.empty()) return std::nullopt;
   return action;
 }

@@ -42,10 +42,14 @@ struct Records {
              {"spanned_m", e.wall.spanned},
              {"to_span_m", e.wall.to_span}}};
   }
+  [[nodiscard]] json names(const std::vector<StoneIndex>& stones) const {
+    json array = json::array();
+    for (const StoneIndex stone : stones) array.push_back(name(stone));
+    return array;
+  }
+  Record operator()(const ModellingBegun& e) const { return {"model_anew", {{"lost", names(e.lost)}}}; }
   Record operator()(const StoneModelled& e) const {
-    json lost = json::array();
-    for (const StoneIndex stone : e.lost) lost.push_back(name(stone));
-    return {"modelled", {{"stone", name(e.stone)}, {"may_be", lost}}};
+    return {"modelled", {{"stone", name(e.stone)}, {"may_be", names(e.lost)}}};
   }
   Record operator()(const StoneMoved& e) const {
     return {"moved", {{"stone", name(e.stone)}, {"shift_m", e.shift}}};

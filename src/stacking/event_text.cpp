@@ -45,10 +45,17 @@ struct Words {
     return concat("looking for ", name(e.view.stone),
                   e.view.where == LookAgain::Where::kWhereItWas ? " where it was" : " beside the site");
   }
+  [[nodiscard]] std::string names(const std::vector<StoneIndex>& stones, const char* between) const {
+    std::string text;
+    for (const StoneIndex stone : stones) text += (text.empty() ? "" : between) + name(stone);
+    return text;
+  }
+  std::string operator()(const ModellingBegun& e) const {
+    return concat("modelling what is not recognised; out of sight: ", names(e.lost, ", "));
+  }
   std::string operator()(const StoneModelled& e) const {
-    std::string lost;
-    for (const StoneIndex stone : e.lost) lost += (lost.empty() ? "" : " or ") + name(stone);
-    return concat(name(e.stone), " is modelled, which may be ", lost, " with another side up");
+    return concat(name(e.stone), " is modelled, which may be ", names(e.lost, " or "),
+                  " with another side up");
   }
   std::string operator()(const StoneUncertain& e) const {
     return concat(name(e.stone),

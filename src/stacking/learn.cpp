@@ -7,6 +7,7 @@
 #include "stacking/arrangement.hpp"
 #include "stacking/choose_in_wall.hpp"
 #include "stacking/next_view.hpp"
+#include "stacking/unknown_objects.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::stacking {
@@ -241,18 +242,13 @@ std::vector<Eigen::Vector3f> cloud_of(const WorldEstimate& world) {
   return cloud;
 }
 
-/// Remembers what is no stone as long as every stone is in sight.
-void learn_objects(RunMemory& memory, const WorldEstimate& seen, const Models& models) {
-  for (const StoneIndex stone : first_stones(models.shapes.size()))
-    if (!holds(seen.stack, stone) && !holds(seen.loose, stone) && !memory.modelled_anew.contains(stone))
-      return;
+/// Remembers what is no stone as long as every awaited stone is in sight.
+void learn_objects(RunMemory& memory, const WorldEstimate& seen) {
+  if (memory.awaited.empty() || !awaited_in_vain(seen, memory).empty()) return;
   memory.p_W_objects.clear();
-  for (const Obstacle& object : seen.layout.obstacles) {
-    Eigen::AlignedBox2d ground;
-    for (const Mesh& piece : object.pieces)
-      for (const Eigen::Vector3d& p : piece.vertices) ground.extend((object.T_W_O * p).head<2>().eval());
-    if (!ground.isEmpty()) memory.p_W_objects.push_back(ground.center());
-  }
+  for (const Obstacle& object : seen.layout.obstacles)
+    if (const Eigen::AlignedBox2d ground = ground_of(object); !ground.isEmpty())
+      memory.p_W_objects.push_back(ground.center());
 }
 
 /// A stone that stayed where it was is not pushed in the same world once more.
@@ -372,10 +368,14 @@ RunMemory remember(RunMemory memory, const WorldEstimate& world, const Action& a
 RunMemory remember_modelled(RunMemory memory, const std::vector<StoneIndex>& lost,
                             const std::vector<PlacedStone>& modelled, const Models& models) {
   ++memory.actions;
-  memory.modelled_anew.insert(lost.begin(), lost.end());
+  memory.modelled_anew += static_cast<int>(lost.size());
+  for (const StoneIndex stone : lost) memory.awaited.erase(stone);
   memory.plan.reset();  // it counted on stones that are lost
   forget_world(memory);
-  for (const PlacedStone& stone : modelled) memory.last_seen[stone.stone] = com_of(models.shapes, stone);
+  for (const PlacedStone& stone : modelled) {
+    memory.awaited.insert(stone.stone);
+    memory.last_seen[stone.stone] = com_of(models.shapes, stone);
+  }
   return memory;
 }
 
@@ -449,7 +449,7 @@ RunMemory learn(RunMemory memory, const WorldEstimate& seen, const Models& model
       memory.last_seen[stone.stone] = com_of(models.shapes, stone);
       memory.out_of_sight.erase(stone.stone);
     }
-  learn_objects(memory, seen, models);
+  learn_objects(memory, seen);
   WorldEstimate without_views = seen;
   without_views.views.reset();
   emit(Observed{std::move(without_views), cloud_of(seen)});

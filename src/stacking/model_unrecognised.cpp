@@ -23,8 +23,9 @@ constexpr double kExplained = 0.5;   // share of what is seen that lies on a kno
 std::vector<UnknownThing> things_to_model(const Workcell& w, const WorldEstimate& world,
                                           const RunMemory& memory) {
   if (!world.views) return {};
-  std::vector<PlacedStone> stones = at_rest(world).stack;
-  for (const StoneEstimate& loose : world.loose) stones.push_back({loose.stone, loose.T_W_O_at_rest});
+  const Arrangement known = at_rest(world);
+  std::vector<PlacedStone> stones = known.stack;
+  stones.insert(stones.end(), known.loose.begin(), known.loose.end());
   std::vector<UnknownThing> things = unknown_things(w, *world.views, stones);
   std::erase_if(things, [&](const UnknownThing& thing) {
     Eigen::AlignedBox2d ground;

@@ -12,6 +12,13 @@ std::vector<StoneIndex> missing_stones(const WorldEstimate& world, const RunMemo
   return missing;
 }
 
+std::vector<StoneIndex> awaited_in_vain(const WorldEstimate& world, const RunMemory& memory) {
+  std::vector<StoneIndex> lost;
+  for (const StoneIndex stone : memory.awaited)
+    if (!holds(world.stack, stone) && !holds(world.loose, stone)) lost.push_back(stone);
+  return lost;
+}
+
 std::optional<LookAgain> next_view(const WorldEstimate& world, const RunMemory& memory) {
   constexpr double kBeside = 0.22, kHeight = 0.04;  // m, from the site and above the table
   static const std::array<Eigen::Vector2d, 4> kDirections{{{0.0, 1.0}, {-1.0, 0.0}, {1.0, 0.0}, {0.0, -1.0}}};

@@ -6,6 +6,9 @@
 /// Private to stacking/: where a stone that is out of sight is looked for.
 namespace stonestack::stacking {
 
+/// Awaited stones that are nowhere to be seen.
+[[nodiscard]] std::vector<StoneIndex> awaited_in_vain(const WorldEstimate& world, const RunMemory& memory);
+
 /// The next view of a stone that was seen before and is not now: where it was, once a stone, then four places
 /// beside the site, where a stone that fell off the tower may have rolled to. Nothing when no stone is
 /// missing or all of these were tried since the last action.

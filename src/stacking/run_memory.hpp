@@ -101,8 +101,11 @@ struct RunMemory {
   std::vector<PlacedStone> given_up;                ///< tops of stacks on which nothing was found to fit
   std::map<StoneIndex, Eigen::Vector3d> last_seen;  ///< centre of mass, W, m
   std::set<StoneIndex> out_of_sight;                ///< looked for in vain
-  std::set<StoneIndex> modelled_anew;               ///< out of sight when what was seen was modelled
-  /// Middles of what is no stone, seen from above, when all stones were seen [m]
+  /// In a run whose stones nobody scanned: those that lie in the cell, as far as nothing else was modelled in
+  /// their place
+  std::set<StoneIndex> awaited;
+  int modelled_anew = 0;  ///< stones in whose place something else was modelled, or sought
+  /// Middles of what is no stone, seen from above, when all awaited stones were seen [m]
   std::vector<Eigen::Vector2d> p_W_objects;
   std::optional<Unstacking> unstacking;
   std::optional<Attempt> attempt;

@@ -346,7 +346,8 @@ json memory_json(const RunMemory& m, const Writer& w) {
          {"refused", w.placed_list(m.refused)},
          {"last_seen", w.by_stone(m.last_seen, [](const Eigen::Vector3d& p) { return vector_json(p); })},
          {"out_of_sight", w.stones(m.out_of_sight)},
-         {"modelled_anew", w.stones(m.modelled_anew)},
+         {"awaited", w.stones(m.awaited)},
+         {"modelled_anew", m.modelled_anew},
          {"p_W_objects", list_json(m.p_W_objects, [](const Eigen::Vector2d& p) { return vector_json(p); })},
          {"sought_where_it_was", w.stones(m.sought_where_it_was)},
          {"sought_beside_site", m.sought_beside_site},
@@ -395,7 +396,8 @@ RunMemory memory_of(const json& j, const Reader& r) {
   m.refused = r.placed_list(j.at("refused"));
   m.last_seen = r.by_stone(j.at("last_seen"), vector3_of);
   m.out_of_sight = r.stones(j.at("out_of_sight"));
-  if (j.contains("modelled_anew")) m.modelled_anew = r.stones(j.at("modelled_anew"));
+  if (j.contains("awaited")) m.awaited = r.stones(j.at("awaited"));
+  m.modelled_anew = j.value("modelled_anew", 0);
   if (j.contains("p_W_objects"))
     m.p_W_objects = list_of(j.at("p_W_objects"), [](const json& p) { return vector2_of(p); });
   m.sought_where_it_was = r.stones(j.at("sought_where_it_was"));

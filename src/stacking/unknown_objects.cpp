@@ -86,6 +86,13 @@ void add_thing(std::vector<Obstacle>& obstacles, const std::string& what, const 
 
 }  // namespace
 
+Eigen::AlignedBox2d ground_of(const Obstacle& obstacle) {
+  Eigen::AlignedBox2d ground;
+  for (const Mesh& piece : obstacle.pieces)
+    for (const Eigen::Vector3d& p : piece.vertices) ground.extend((obstacle.T_W_O * p).head<2>());
+  return ground;
+}
+
 Obstacle obstacle_about(const UnknownThing& thing, const std::string& name) {
   Obstacle obstacle;
   obstacle.name = name;
@@ -124,10 +131,7 @@ void drop_known_objects(const ShapeList& shapes, const std::vector<StoneIndex>& 
     if (std::find(known.begin(), known.end(), seen.stone) != known.end()) return false;
     const Eigen::Vector3d p_W_M = com_of(shapes, {seen.stone, seen.T_W_O});
     return std::any_of(unknown.begin(), unknown.end(), [&](const Obstacle& object) {
-      Eigen::AlignedBox2d ground;
-      for (const Mesh& piece : object.pieces)
-        for (const Eigen::Vector3d& p : piece.vertices) ground.extend((object.T_W_O * p).head<2>());
-      return ground.exteriorDistance(p_W_M.head<2>().eval()) < kSamePlaceAround;
+      return ground_of(object).exteriorDistance(p_W_M.head<2>().eval()) < kSamePlaceAround;
     });
   });
 }

@@ -18,6 +18,8 @@ namespace stonestack::stacking {
 /// the largest first. Not what is beyond the reach of what falls off the tower, or at the robot's base.
 [[nodiscard]] std::vector<UnknownThing> unknown_things(const Workcell& workcell, const Views& views,
                                                        const std::vector<PlacedStone>& stones);
+/// Ground that an obstacle covers, seen from above, in W [m]; empty for one without a shape.
+[[nodiscard]] Eigen::AlignedBox2d ground_of(const Obstacle& obstacle);
 /// Upright prism about what is seen of a thing, from the table up.
 [[nodiscard]] Obstacle obstacle_about(const UnknownThing& thing, const std::string& name);
 

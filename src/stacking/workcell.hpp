@@ -19,7 +19,8 @@ struct Workcell {
   const BuildOptions& options;
   StageSeconds& seconds;
   Listener emit;
-  /// Adds a stone to `models` and `detection`. Who listens to the run is told before any event names it.
+  /// Adds a stone to `models` and `detection`; who listens to the run is told before any event names it.
+  /// Empty: none is added.
   ModelledHook add_stone;
   std::vector<Obstacle> stated_obstacles = cell.layout.obstacles;  ///< those of the cell file
 };

@@ -7,7 +7,6 @@
 #include "stone/stone_yaml.hpp"
 #include "stone/surface_file.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/core/file.hpp"
 #include "stonestack/geometry/mesh.hpp"
 
 namespace stonestack::stone {
@@ -15,7 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMaxSurface = std::size_t{1} << 27;  // bytes
 constexpr const char* kMakeOne = "make stones with `stonestack scan FILE --catalogue DIR`";
 
 /// Edits (insertions, deletions, changes) between two names (Levenshtein 1966).
@@ -45,9 +43,9 @@ Stone read_stone(const fs::path& folder) {
   stone.scan = read_mesh((folder / "scan.ply").string());
   for (int n = 1; n <= file.pieces; ++n)
     stone.pieces.push_back(read_mesh((folder / "pieces" / concat(n, ".ply")).string()));
-  const std::string surface = (folder / kSurfaceFile).string();
-  if (fs::exists(surface))
-    stone.surface = surface_of(read_file(surface, kMaxSurface), surface, stone.scan.vertices.size());
+  std::error_code ignored;
+  if (fs::symlink_status(folder / kSurfaceFile, ignored).type() != fs::file_type::not_found)
+    stone.surface = read_surface((folder / kSurfaceFile).string(), stone.scan.vertices.size());
   check_stone(stone, folder.string());
   return stone;
 }

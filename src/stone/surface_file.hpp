@@ -12,8 +12,7 @@ inline constexpr const char* kSurfaceFile = "surface.json";
 /// "stonestack.surface/1": `sigma_m` and `seen`, a vertex of scan.ply each, and `up_at_rest`.
 [[nodiscard]] std::string surface_json(const SurfaceKnowledge& surface);
 /// @param vertices of scan.ply
-/// @throws FileError named `path` for what is no such file, or not of that scan
-[[nodiscard]] SurfaceKnowledge surface_of(const std::string& text, const std::string& path,
-                                          std::size_t vertices);
+/// @throws FileError for what is no such file, or not of that scan
+[[nodiscard]] SurfaceKnowledge read_surface(const std::string& path, std::size_t vertices);
 
 }  // namespace stonestack::stone

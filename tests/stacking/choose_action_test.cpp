@@ -157,24 +157,46 @@ TEST(ChooseAction, WithoutAStoneInSightARunEnds) {
   EXPECT_EQ(std::get<Stop>(decision.action).end, RunEnd::kNothingSeen);
 }
 
-TEST(ChooseAction, ModelsWhatIsNotRecognisedWhereNobodyScannedTheStones) {
+TEST(ChooseAction, ModelsWhatIsNotRecognisedWhereAnAwaitedStoneIsNotSeen) {
   State state = read("place");
-  state.options.unseen = true;
-  std::vector<StoneIndex> lost;  // the state has four of the six stones of the catalogue
+  std::vector<StoneIndex> absent;  // the state has four of the six stones of the catalogue
   for (const StoneIndex stone : first_stones(limestones().stones.size()))
-    if (!holds(state.world.stack, stone) && !holds(state.world.loose, stone)) lost.push_back(stone);
-  ASSERT_FALSE(lost.empty());
+    if (!holds(state.world.stack, stone) && !holds(state.world.loose, stone)) absent.push_back(stone);
+  ASSERT_GE(absent.size(), 2U);
+  const StoneIndex lost = absent[0];
+  ASSERT_TRUE(std::holds_alternative<Place>(decide(state).action)) << "none is awaited";
+  state.memory.awaited = {state.world.loose.front().stone, lost};
   const Decision decision = decide(state);
   const auto* model = std::get_if<ModelAnew>(&decision.action);
   ASSERT_NE(model, nullptr) << name_of(decision.action);
-  EXPECT_EQ(model->lost, lost);
-  state.memory = remember_modelled(state.memory, lost, {}, models());
-  EXPECT_TRUE(std::holds_alternative<Place>(decide(state).action)) << "once is enough";
-
-  State reached = read("place");
-  reached.options.unseen = true;
-  reached.options.max_stones = static_cast<int>(reached.world.stack.size());
+  EXPECT_EQ(model->lost, std::vector<StoneIndex>{lost});
+  State reached = state;
+  reached.options.max_stones = static_cast<int>(state.world.stack.size());
   EXPECT_TRUE(std::holds_alternative<Stop>(decide(reached).action));
+  state.memory = remember_modelled(state.memory, {lost}, {}, models());
+  EXPECT_TRUE(std::holds_alternative<Place>(decide(state).action)) << "once is enough";
+  state.memory.awaited.insert(absent[1]);
+  EXPECT_TRUE(std::holds_alternative<ModelAnew>(decide(state).action));
+  state.memory.modelled_anew = 4;
+  EXPECT_TRUE(std::holds_alternative<Place>(decide(state).action)) << "not without end";
+}
+
+TEST(ChooseAction, WhatLiesThereWhileAllStonesAreSeenIsNoStone) {
+  State state = read("place");
+  Obstacle thing;
+  thing.pieces = {make_box({0.06, 0.04, 0.05})};
+  thing.T_W_O = Eigen::Translation3d(0.4, -0.1, 0.025);
+  state.world.layout.obstacles = {thing};
+  state.memory.awaited = {state.world.loose.front().stone};
+  RunMemory memory = learn(state.memory, state.world, models(), state.options, {});
+  ASSERT_EQ(memory.p_W_objects.size(), 1U);
+  EXPECT_LT((memory.p_W_objects[0] - Eigen::Vector2d(0.4, -0.1)).norm(), 1e-9);
+  state.world.layout.obstacles[0].T_W_O.translation().x() = 0.5;
+  for (const StoneIndex stone : first_stones(limestones().stones.size())) memory.awaited.insert(stone);
+  memory = learn(memory, state.world, models(), state.options, {});
+  ASSERT_EQ(memory.p_W_objects.size(), 1U);
+  EXPECT_NEAR(memory.p_W_objects[0].x(), 0.4, 1e-9)
+      << "what lies there now may be the stone that is not seen";
 }
 
 /// Grasps that failed are tried again before a run ends, and only then.
@@ -250,11 +272,13 @@ TEST(StateFile, IsReadAsItWasWritten) {
 
 TEST(StateFile, KeepsWhatIsNoStoneAndWhatWasModelledAnew) {
   State state = read("place");
-  state.memory.modelled_anew = {2_stone};
+  state.memory.awaited = {2_stone};
+  state.memory.modelled_anew = 3;
   state.memory.p_W_objects = {{0.4, -0.1}};
   const std::string path = test::temporary_folder() + "state_modelled.json";
   write_state(path, state.world, state.memory, models(), state.options);
   const State again = read_state(path, limestones());
+  EXPECT_EQ(again.memory.awaited, state.memory.awaited);
   EXPECT_EQ(again.memory.modelled_anew, state.memory.modelled_anew);
   ASSERT_EQ(again.memory.p_W_objects.size(), 1U);
   EXPECT_LT((again.memory.p_W_objects[0] - state.memory.p_W_objects[0]).norm(), 1e-12);

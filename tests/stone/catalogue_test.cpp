@@ -97,27 +97,32 @@ TEST_F(CatalogueTest, KeepsHowWellASurfaceIsKnown) {
 
 TEST_F(CatalogueTest, NamesWhatIsWrongWithTheFileOfASurface) {
   const std::string head = R"({"schema": "stonestack.surface/1", )";
-  std::string eight = "[0", marks = "[1";
-  for (std::size_t v = 1; v < box_.scan.vertices.size(); ++v) eight += ", 0.001", marks += ", 0";
-  eight += "]", marks += "]";
+  std::string sigmas = "[0", marks = "[1";
+  for (std::size_t v = 1; v < box_.scan.vertices.size(); ++v) sigmas += ", 0.001", marks += ", 0";
+  sigmas += "]", marks += "]";
   const auto says = [&](const std::string& text) {
     write_file(file("surface.json"), text);
     return problem();
   };
-  const std::string good = R"("sigma_m": )" + eight + R"(, "seen": )" + marks;
+  const std::string good = R"("sigma_m": )" + sigmas + R"(, "seen": )" + marks;
   EXPECT_EQ(says(head + good + R"(, "up_at_rest": [[0, 0, 1]]})"), "");
   EXPECT_THAT(says("{"), HasSubstr("surface.json"));
   EXPECT_THAT(says("[]"), HasSubstr("surface.json"));
   EXPECT_THAT(says(R"({"schema": "stonestack.surface/2"})"), HasSubstr("schema"));
-  EXPECT_THAT(says(head + R"("sigma_m": [0.1], "seen": [1], "up_at_rest": []})"), HasSubstr("vertices"));
+  EXPECT_THAT(says(head + R"("sigma_m": [0.1], "seen": [1], "up_at_rest": []})"),
+              HasSubstr("sigma_m is not"));
   EXPECT_THAT(says(head + good + R"(, "up_at_rest": [[0, 0, 2]]})"), HasSubstr("length 2"));
-  EXPECT_THAT(says(head + good + R"(, "up_at_rest": [[0, 1]]})"), HasSubstr("three numbers"));
+  EXPECT_THAT(says(head + good + R"(, "up_at_rest": [[0, 1]]})"), HasSubstr("3 finite numbers"));
+  EXPECT_THAT(says(head + good + "}"), HasSubstr("up_at_rest"));
   std::string negative = good;
   negative.replace(negative.find("[0,"), 3, "[-1,");
   EXPECT_THAT(says(head + negative + R"(, "up_at_rest": []})"), HasSubstr("-1 m"));
   std::string text = good;
   text.replace(text.find("[0,"), 3, "[\"a\",");
-  EXPECT_THAT(says(head + text + R"(, "up_at_rest": []})"), HasSubstr("surface.json"));
+  EXPECT_THAT(says(head + text + R"(, "up_at_rest": []})"), HasSubstr("sigma_m is not"));
+  fs::remove(file("surface.json"));
+  fs::create_symlink("surface.json", file("surface.json"));  // leads to itself
+  EXPECT_THAT(problem(), HasSubstr("surface.json"));
 }
 
 TEST_F(CatalogueTest, ReplacesAStoneWholeAndLeavesNothingElse) {

@@ -226,6 +226,10 @@ struct GripperRetried {
   std::string problem;  ///< as the gripper reported it
 };
 
+/// Objects that are recognised as none of the stones are about to be viewed and modelled.
+struct ModellingBegun {
+  std::vector<StoneIndex> lost;  ///< stones that are out of sight
+};
 /// An object that was none of the stones is one now: its model stands in the catalogue of the run.
 struct StoneModelled {
   StoneIndex stone = kNoStone;   ///< index in the catalogue, the last one
@@ -233,13 +237,15 @@ struct StoneModelled {
 };
 
 /// Anything that happens in a run.
-using Event = std::variant<
-    Observed, WallMeasured, StoneMoved, StoneLeftStack, StoneSought, StoneUncertain, UnknownObjectSeen,
-    CameraRefined, CameraNotTurned, SiteOccupied, SiteSeenFromOneSide, BackedAway, StonesUnfit, StonesNotHeld,
-    SearchProgress, SearchedAtFriction, PlanHolds, PlanBroken, PlanAbandoned, PosesRefused, GraspsRetried,
-    StoneLeans, UnstackChosen, UnstackToFree, ActionChosen, PlaceBegun, SetDownBegun, PushBegun,
-    FingertipGrasp, MotionRefused, PlacementJudged, FrictionMeasured, FrictionUpdated, StoneToppled, RunEnded,
-    StepBegun, HoldMeasured, CarriedMeasured, TouchMeasured, ReleaseMeasured, GripperRetried, StoneModelled>;
+using Event =
+    std::variant<Observed, WallMeasured, StoneMoved, StoneLeftStack, StoneSought, StoneUncertain,
+                 UnknownObjectSeen, CameraRefined, CameraNotTurned, SiteOccupied, SiteSeenFromOneSide,
+                 BackedAway, StonesUnfit, StonesNotHeld, SearchProgress, SearchedAtFriction, PlanHolds,
+                 PlanBroken, PlanAbandoned, PosesRefused, GraspsRetried, StoneLeans, UnstackChosen,
+                 UnstackToFree, ActionChosen, PlaceBegun, SetDownBegun, PushBegun, FingertipGrasp,
+                 MotionRefused, PlacementJudged, FrictionMeasured, FrictionUpdated, StoneToppled, RunEnded,
+                 StepBegun, HoldMeasured, CarriedMeasured, TouchMeasured, ReleaseMeasured, GripperRetried,
+                 ModellingBegun, StoneModelled>;
 /// Receiver of events.
 using Listener = std::function<void(const Event&)>;
 
