@@ -181,7 +181,7 @@ TEST(ChooseAction, ModelsWhatIsNotRecognisedWhereAnAwaitedStoneIsNotSeen) {
   EXPECT_TRUE(std::holds_alternative<Place>(decide(state).action)) << "not without end";
 }
 
-TEST(ChooseAction, WhatLiesThereWhileAllStonesAreSeenIsNoStone) {
+TEST(ChooseAction, ObjectsThatLieThereWhileAllStonesAreSeenAreNoStones) {
   State state = read("place");
   Obstacle thing;
   thing.pieces = {make_box({0.06, 0.04, 0.05})};
