@@ -157,19 +157,22 @@ Known observe_again(Workcell& w, ResumePoint point, const ResumeWriter& resume, 
 /// Models what may be stones that are lost, adds it to the stones of the run, and observes.
 Known model_and_observe(Workcell& w, const ModelAnew& action, const ResumeWriter& resume, Journal* journal,
                         const Known& known, const RunMemory& chosen) {
-  w.emit(ModellingBegun{action.lost});
-  const ModelledField field = model_unrecognised(w, known.world, chosen, action.lost, journal);
+  w.emit(ModellingBegun{action.lost, action.in_sight});
+  const ModelledField field = model_unrecognised(w, known.world, chosen, action, journal);
   for (const std::string& left : field.left_out) log_info(left);
   std::vector<PlacedStone> modelled;
   for (std::size_t k = 0; k < field.stones.size(); ++k) {
     w.add_stone(field.catalogue.stones[k], field.stones[k]);
     modelled.push_back({StoneIndex(static_cast<int>(w.models.shapes.size()) - 1), *field.stones[k].T_W_O});
-    w.emit(StoneModelled{modelled.back().stone, action.lost});
+    w.emit(StoneModelled{modelled.back().stone, action.lost, action.in_sight});
   }
-  const RunMemory memory = remember_modelled(chosen, action.lost, modelled, w.models);
+  const RunMemory memory = remember_modelled(chosen, action, modelled, w.models);
   Expectation expected = expected_again(known.world, memory);
   const std::vector<StoneEstimate> lying = as_estimates(modelled);
-  expected.loose.insert(expected.loose.end(), lying.begin(), lying.end());
+  if (!action.in_sight)
+    expected.loose.insert(expected.loose.end(), lying.begin(), lying.end());
+  else if (!lying.empty())
+    expected.stack = lying;
   return observe_and_learn(w, expected, memory, resume);
 }
 

@@ -51,6 +51,7 @@ struct ActionText {
   std::string operator()(const ModelAnew& a) const {
     std::string lost;
     for (const StoneIndex stone : a.lost) lost += (lost.empty() ? "" : ", ") + name(stone);
+    if (a.in_sight) return concat("model ", lost, " as it stands: by its model it cannot\n");
     return concat("model what lies there and is not recognised; out of sight: ", lost, "\n");
   }
   std::string operator()(const Stop& a) const { return "stop: " + a.reason + "\n"; }

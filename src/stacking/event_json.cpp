@@ -47,9 +47,11 @@ struct Records {
     for (const StoneIndex stone : stones) array.push_back(name(stone));
     return array;
   }
-  Record operator()(const ModellingBegun& e) const { return {"model_anew", {{"lost", names(e.lost)}}}; }
+  Record operator()(const ModellingBegun& e) const {
+    return {"model_anew", {{"lost", names(e.lost)}, {"in_sight", e.in_sight}}};
+  }
   Record operator()(const StoneModelled& e) const {
-    return {"modelled", {{"stone", name(e.stone)}, {"may_be", names(e.lost)}}};
+    return {"modelled", {{"stone", name(e.stone)}, {e.in_sight ? "instead_of" : "may_be", names(e.lost)}}};
   }
   Record operator()(const StoneMoved& e) const {
     return {"moved", {{"stone", name(e.stone)}, {"shift_m", e.shift}}};

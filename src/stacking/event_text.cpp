@@ -51,9 +51,13 @@ struct Words {
     return text;
   }
   std::string operator()(const ModellingBegun& e) const {
+    if (e.in_sight)
+      return concat("modelling ", names(e.lost, ", "),
+                    " as it stands: by its model it cannot rest like that");
     return concat("modelling what is not recognised; out of sight: ", names(e.lost, ", "));
   }
   std::string operator()(const StoneModelled& e) const {
+    if (e.in_sight) return concat(name(e.stone), " is modelled in the place of ", names(e.lost, ", "));
     return concat(name(e.stone), " is modelled, which may be ", names(e.lost, " or "),
                   " with another side up");
   }

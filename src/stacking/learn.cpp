@@ -365,11 +365,16 @@ RunMemory remember(RunMemory memory, const WorldEstimate& world, const Action& a
   return memory;
 }
 
-RunMemory remember_modelled(RunMemory memory, const std::vector<StoneIndex>& lost,
+RunMemory remember_modelled(RunMemory memory, const ModelAnew& action,
                             const std::vector<PlacedStone>& modelled, const Models& models) {
   ++memory.actions;
-  memory.modelled_anew += static_cast<int>(lost.size());
-  for (const StoneIndex stone : lost) memory.awaited.erase(stone);
+  memory.modelled_anew += static_cast<int>(action.lost.size());
+  for (const StoneIndex stone : action.lost) {
+    memory.awaited.erase(stone);
+    if (!action.in_sight || modelled.empty()) continue;
+    memory.disproved.insert(stone);
+    memory.last_seen.erase(stone);
+  }
   memory.plan.reset();  // it counted on stones that are lost
   forget_world(memory);
   for (const PlacedStone& stone : modelled) {
@@ -383,6 +388,7 @@ Expectation expected_after(const WorldEstimate& world, const RunMemory& memory, 
   Expectation expected;
   expected.site = world.site;
   expected.friction = memory.friction;
+  expected.disproved = memory.disproved;
   for (const auto& [stone, p_W] : memory.last_seen) expected.known.push_back(stone);
   if (memory.attempt) {
     expected.stack = memory.attempt->expected_stack;

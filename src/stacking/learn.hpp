@@ -4,8 +4,9 @@
 /// Private to stacking/: what follows from an action for the next view and for the memory.
 namespace stonestack::stacking {
 
-/// Memory once stones that are lost were looked for among what no model shows; `modelled`: what was found.
-[[nodiscard]] RunMemory remember_modelled(RunMemory memory, const std::vector<StoneIndex>& lost,
+/// Memory once stones were looked for among what no model shows, or modelled as they stand; `modelled`: what
+/// was found.
+[[nodiscard]] RunMemory remember_modelled(RunMemory memory, const ModelAnew& action,
                                           const std::vector<PlacedStone>& modelled, const Models& models);
 /// Memory after an action was carried out; its effect is not seen yet.
 [[nodiscard]] RunMemory remember(RunMemory memory, const WorldEstimate& world, const Action& action,

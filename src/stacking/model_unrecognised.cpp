@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "modelling/rest_on_table.hpp"
 #include "stacking/arrangement.hpp"
 #include "stacking/model_again.hpp"
 #include "stacking/survey.hpp"
@@ -19,17 +20,40 @@ constexpr double kMinWidth = 0.025;  // m: what is seen narrower is no stone
 constexpr double kBesideAim = 0.06;  // m between the middle of a thing, and of what closer views show of it
 constexpr double kExplained = 0.5;   // share of what is seen that lies on a known stone
 
+bool names(const ModelAnew& action, StoneIndex stone) {
+  return std::find(action.lost.begin(), action.lost.end(), stone) != action.lost.end();
+}
+
+/// What is known to lie where it was seen: not the stones that an action models where they stand.
+Arrangement known_stones(const WorldEstimate& world, const ModelAnew& action) {
+  Arrangement known = at_rest(world);
+  for (auto* list : {&known.stack, &known.loose})
+    std::erase_if(*list, [&](const PlacedStone& placed) { return names(action, placed.stone); });
+  return known;
+}
+
+/// Does a stone that an action models where it stands stand here?
+bool is_of_one_in_sight(const Workcell& w, const WorldEstimate& world, const ModelAnew& action,
+                        const UnknownThing& thing) {
+  const Arrangement all = at_rest(world);
+  return std::any_of(all.stack.begin(), all.stack.end(), [&](const PlacedStone& placed) {
+    return names(action, placed.stone) &&
+           (com_of(w.models.shapes, placed).head<2>() - thing.p_W).norm() < kBesideAim;
+  });
+}
+
 /// Things that may be one of the lost stones.
 std::vector<UnknownThing> things_to_model(const Workcell& w, const WorldEstimate& world,
-                                          const RunMemory& memory) {
+                                          const RunMemory& memory, const ModelAnew& action) {
   if (!world.views) return {};
-  const Arrangement known = at_rest(world);
+  const Arrangement known = known_stones(world, action);
   std::vector<PlacedStone> stones = known.stack;
   stones.insert(stones.end(), known.loose.begin(), known.loose.end());
   std::vector<UnknownThing> things = unknown_things(w, *world.views, stones);
   std::erase_if(things, [&](const UnknownThing& thing) {
     Eigen::AlignedBox2d ground;
     for (const Eigen::Vector3d& p_W : thing.surface_W) ground.extend(p_W.head<2>().eval());
+    if (action.in_sight) return !is_of_one_in_sight(w, world, action, thing);
     return ground.diagonal().norm() < kMinWidth ||
            std::any_of(memory.p_W_objects.begin(), memory.p_W_objects.end(),
                        [&](const Eigen::Vector2d& p_W) { return (thing.p_W - p_W).norm() < kWasThere; });
@@ -57,12 +81,13 @@ int object_near(const modelling::AlignedScene& scene, const Eigen::Vector2d& p_W
 /// One thing after the other.
 class Modeller {
  public:
-  Modeller(Workcell& w, const WorldEstimate& world, std::vector<UnknownThing> things, Journal* journal)
-      : w_(w), things_(std::move(things)), journal_(journal) {
+  Modeller(Workcell& w, const WorldEstimate& world, std::vector<UnknownThing> things, const ModelAnew& action,
+           Journal* journal)
+      : w_(w), things_(std::move(things)), in_sight_(action.in_sight), journal_(journal) {
     options_.motion = w.options.motion;
     options_.modelling.segment.seed = w.options.detection.seed;
     options_.stone.friction = w.options.search.friction;
-    const Arrangement arrangement = at_rest(world);
+    const Arrangement arrangement = known_stones(world, action);
     scene_ = make_planning_scene(w.cell.layout, *w.models.robot, *w.models.catalogue, arrangement);
     for (const UnknownThing& thing : things_) {
       Obstacle obstacle = obstacle_about(thing, concat("thing ", scene_.objects.size()));
@@ -106,11 +131,13 @@ class Modeller {
     candidate.made.mass = mass;
     try {
       candidate.model = modelling::model_object({&lying, 1}, options_.modelling);
+      if (in_sight_) modelling::rest_on_table(candidate.model);
       candidate.stone = stone_of_model(candidate.model, candidate.made, options_);
     } catch (const FileError& problem) {
       return problem.what();
     }
-    if (std::string why = unfit_for_gripper(candidate.stone, scene_.gripper, *w_.models.robot); !why.empty())
+    if (std::string why = unfit_for_gripper(candidate.stone, scene_.gripper, *w_.models.robot);
+        !why.empty() && !in_sight_)
       return why;
     describe_model(candidate);
     candidate.made.note = "modelled from one side while the run went on";
@@ -122,6 +149,7 @@ class Modeller {
 
   Workcell& w_;
   std::vector<UnknownThing> things_;
+  bool in_sight_;  ///< of a stone that stands where it is to stay
   Journal* journal_;
   ModelFieldOptions options_;
   PlanningScene scene_;
@@ -131,10 +159,11 @@ class Modeller {
 }  // namespace
 
 ModelledField model_unrecognised(Workcell& w, const WorldEstimate& world, const RunMemory& memory,
-                                 const std::vector<StoneIndex>& lost, Journal* journal) {
+                                 const ModelAnew& action, Journal* journal) {
+  const std::vector<StoneIndex>& lost = action.lost;
   ModelledField field;
   const double start = w.cell.clock.now();
-  Modeller modeller(w, world, things_to_model(w, world, memory), journal);
+  Modeller modeller(w, world, things_to_model(w, world, memory, action), action, journal);
   const bool same_stone = lost.size() == 1 && modeller.things().size() == 1;
   for (const UnknownThing& thing : modeller.things()) {
     throw_if_interrupted();

@@ -180,7 +180,9 @@ Observation observe(Workcell& w, const Expectation& expected, const WhileMoving&
   // What no first view showed may come to light when others are taken away, but is not worth a search in all
   // views together after each of them.
   const Stopwatch watch;
-  auto sightings = find_in_views(seen.views, w.detection, first_stones(w.models.shapes.size()),
+  std::vector<StoneIndex> sought = first_stones(w.models.shapes.size());
+  std::erase_if(sought, [&](StoneIndex stone) { return expected.disproved.contains(stone); });
+  auto sightings = find_in_views(seen.views, w.detection, sought,
                                  {seen.before, expected.known, expected.first}, w.options.detection);
   if (!expected.first)
     drop_known_objects(w.models.shapes, expected.known,

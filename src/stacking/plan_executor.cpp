@@ -26,6 +26,7 @@ constexpr double kFingerForce = 60.0;   // N, when the plan names none
 // table.
 constexpr double kNearTable = 0.010;   // m, of the tool's tip
 constexpr double kBackOff = 0.004;     // m
+constexpr double kFarAbove = 1.0;      // m above the table: no finger is there
 constexpr double kTableReach = 0.006;  // m above the end of an approach: what is met lower is the table
 constexpr std::array kSharesBack{1.0, 0.75, 0.5, 0.25};  // of the way back that was asked for
 constexpr double kAsPlanned = 0.005;  // rad, half of what the arm allows at the start of a motion
@@ -229,12 +230,16 @@ void PlanExecutor::open(const PlanStep& step) const {
                kFingerForce);
 }
 
-ExecutionResult PlanExecutor::retreat(const PlanStep& step) const {
+double PlanExecutor::retreat_length(const PlanStep& step) const {
   const JointPath& route = step.trajectory.q;
-  if (route.empty()) return go_back(step, options.approach);
+  if (route.empty()) return options.approach;
   const Pose T_R_T_from = forward(scene.robot, route.front()) * scene.T_F_T;
   const Pose T_R_T_to = forward(scene.robot, route.back()) * scene.T_F_T;
-  return go_back(step, difference(T_R_T_from, T_R_T_to).translation);
+  return difference(T_R_T_from, T_R_T_to).translation;
+}
+
+ExecutionResult PlanExecutor::retreat(const PlanStep& step) const {
+  return go_back(step, retreat_length(step));
 }
 
 bool PlanExecutor::reports_object_between() const {
@@ -247,9 +252,7 @@ ExecutionResult PlanExecutor::check_empty(const PlanStep& step, bool may_open) c
   double left = wrist.feel().weight;
   const auto empty = [&] { return left <= max && !reports_object_between(); };
   if (!empty() && may_open) {
-    const ExecutionResult clear = clear_table(step, scene.gripper.max_opening);
-    if (clear.status != Status::kReleased) return clear;
-    move_gripper(cell, journal, scene.gripper.max_opening, kStrokeSpeed, kFingerForce);
+    if (const ExecutionResult opened = open_wide(step); opened.status != Status::kReleased) return opened;
     left = wrist.feel().weight;
   }
   record(journal, ReleaseMeasured{left, max});
@@ -260,11 +263,53 @@ ExecutionResult PlanExecutor::check_empty(const PlanStep& step, bool may_open) c
                  stone.name, " out of the fingers")};
 }
 
+ExecutionResult PlanExecutor::leave_empty(const PlanStep& step) const {
+  const ExecutionResult first = check_empty(step, false);
+  if (first.status != Status::kStopped) return first;
+  record(journal, StepBegun{concat("set ", stone.name, " down once more, which hangs on the fingers")});
+  const auto path = straight_path(scene.robot, scene.T_F_T, cell.arm.state().q,
+                                  forward(scene.robot, cell.arm.state().q) * scene.T_F_T *
+                                      Eigen::Translation3d(0, 0, retreat_length(step)));
+  if (!path) return first;
+  TimingLimits limits = timing_limits(scene.robot, options);
+  limits.tool_speed = options.descent_speed;  // fingers may be as low as a stone that hangs askew
+  GuardedMotion down;
+  down.trajectory = time_path(*path, limits, scene.robot, scene.T_F_T);
+  down.threshold = options.early_threshold;
+  const MotionResult moved = cell.arm.follow_guarded(down);
+  if (moved.status != MotionResult::Status::kContact && moved.status != MotionResult::Status::kNoContact)
+    return {Status::kStopped, moved.force, concat("setting ", stone.name, " down once more: ", moved.reason)};
+  record(journal, TouchMeasured{moved.status == MotionResult::Status::kContact, moved.force,
+                                (tip(cell.arm.state().q) - tip(path->back())).z()});
+  set_payload(false);
+  if (const ExecutionResult opened = open_wide(step); opened.status != Status::kReleased) return opened;
+  const ExecutionResult back = retreat(step);
+  return back.status == Status::kReleased ? check_empty(step, false) : back;
+}
+
+double PlanExecutor::lowest_finger(double opening) const {
+  const Pose T_W_T = cell.layout.T_W_R * forward(scene.robot, cell.arm.state().q) * scene.T_F_T;
+  double lowest = kFarAbove;
+  for (const GripperBox& box : scene.gripper.boxes) {
+    if (box.finger_side == 0.0) continue;
+    const Eigen::Vector3d p_W = T_W_T * box_centre(scene.gripper, box, opening);
+    lowest = std::min(lowest, p_W.z() - 0.5 * T_W_T.linear().row(2).cwiseAbs().dot(box.size));
+  }
+  return lowest;
+}
+
 ExecutionResult PlanExecutor::clear_table(const PlanStep& step, double opening) const {
   const Pose T_R_T = forward(scene.robot, cell.arm.state().q) * scene.T_F_T;
   const double tip_z = furthest_tip(scene.gripper, held_opening(), opening);
   if ((cell.layout.T_W_R * T_R_T * Eigen::Vector3d(0, 0, tip_z)).z() > kNearTable) return {};
   return go_back(step, kBackOff);
+}
+
+ExecutionResult PlanExecutor::open_wide(const PlanStep& step) const {
+  const ExecutionResult clear = clear_table(step, scene.gripper.max_opening);
+  if (clear.status == Status::kReleased && lowest_finger(scene.gripper.max_opening) > 0.0)
+    move_gripper(cell, journal, scene.gripper.max_opening, kStrokeSpeed, kFingerForce);
+  return clear;
 }
 
 ExecutionResult PlanExecutor::go_back(const PlanStep& step, double distance) const {

@@ -66,6 +66,8 @@ struct PlanExecutor {
   /// slide.
   [[nodiscard]] ExecutionResult measure_friction() const;
   void open(const PlanStep& step) const;
+  /// Distance of the planned retreat [m].
+  [[nodiscard]] double retreat_length(const PlanStep& step) const;
   /// Retreats along the gripper's own axis from the arm's measured pose, as far as the plan found clearance.
   [[nodiscard]] ExecutionResult retreat(const PlanStep& step) const;
   /// Does the gripper report an object that its fingers may hold? Fingers that stand fully open press on
@@ -74,6 +76,14 @@ struct PlanExecutor {
   /// Checks that opened fingers hold no stone: stuck, jammed between two, or wedged. The measured load
   /// decides, as a gripper only reports an object that it closes on. `may_open`: may open fully, once.
   [[nodiscard]] ExecutionResult check_empty(const PlanStep& step, bool may_open) const;
+  /// Checks that the fingers are empty once they have left. A stone that hangs on them is set down where it
+  /// came from, once, and left with the fingers fully open.
+  [[nodiscard]] ExecutionResult leave_empty(const PlanStep& step) const;
+  /// Height above the table of the lowest place of the fingers at an opening [m]: those of an inclined
+  /// gripper go down as it opens.
+  [[nodiscard]] double lowest_finger(double opening) const;
+  /// Opens fully, unless the gripper is so inclined that a finger would reach the table.
+  [[nodiscard]] ExecutionResult open_wide(const PlanStep& step) const;
   [[nodiscard]] ExecutionResult clear_table(const PlanStep& step, double opening) const;
   [[nodiscard]] ExecutionResult go_back(const PlanStep& step, double distance) const;
   /// Moves the closed gripper straight on as far as the step does, from where the arm stands, until more

@@ -347,6 +347,7 @@ json memory_json(const RunMemory& m, const Writer& w) {
          {"last_seen", w.by_stone(m.last_seen, [](const Eigen::Vector3d& p) { return vector_json(p); })},
          {"out_of_sight", w.stones(m.out_of_sight)},
          {"awaited", w.stones(m.awaited)},
+         {"disproved", w.stones(m.disproved)},
          {"modelled_anew", m.modelled_anew},
          {"p_W_objects", list_json(m.p_W_objects, [](const Eigen::Vector2d& p) { return vector_json(p); })},
          {"sought_where_it_was", w.stones(m.sought_where_it_was)},
@@ -397,6 +398,7 @@ RunMemory memory_of(const json& j, const Reader& r) {
   m.last_seen = r.by_stone(j.at("last_seen"), vector3_of);
   m.out_of_sight = r.stones(j.at("out_of_sight"));
   if (j.contains("awaited")) m.awaited = r.stones(j.at("awaited"));
+  if (j.contains("disproved")) m.disproved = r.stones(j.at("disproved"));
   m.modelled_anew = j.value("modelled_anew", 0);
   if (j.contains("p_W_objects"))
     m.p_W_objects = list_of(j.at("p_W_objects"), [](const json& p) { return vector2_of(p); });
@@ -589,8 +591,10 @@ std::string decision_json(const Decision& decision, const Catalogue& catalogue) 
     action["stone"] = w.name(view->stone);
     action["p_W_target"] = vector_json(view->p_W_target);
   }
-  if (const auto* model = std::get_if<ModelAnew>(&decision.action))
+  if (const auto* model = std::get_if<ModelAnew>(&decision.action)) {
     action["lost"] = w.stones({model->lost.begin(), model->lost.end()});
+    action["in_sight"] = model->in_sight;
+  }
   if (const auto* stop = std::get_if<Stop>(&decision.action)) action["reason"] = stop->reason;
   json why = json::array();
   for (const Event& event : decision.why)

@@ -1,6 +1,7 @@
 #pragma once
 #include <functional>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "stacking/choose_action.hpp"
@@ -29,10 +30,11 @@ struct Workcell {
 struct Expectation {
   std::vector<StoneEstimate> stack, loose;
   SiteStatus site = SiteStatus::kFree;
-  FrictionEstimate friction;      ///< at whose frictions the stack is settled
-  std::vector<StoneIndex> known;  ///< stones that were seen in this run
-  bool first = false;             ///< nothing was observed yet
-  bool as_planned = false;        ///< a stone has just been released where it should be
+  FrictionEstimate friction;       ///< at whose frictions the stack is settled
+  std::vector<StoneIndex> known;   ///< stones that were seen in this run
+  std::set<StoneIndex> disproved;  ///< stones that are not looked for: another model takes their place
+  bool first = false;              ///< nothing was observed yet
+  bool as_planned = false;         ///< a stone has just been released where it should be
   /// To which one more view is added from where the camera is, so that nothing moves; else null.
   std::shared_ptr<const Views> views;
 };

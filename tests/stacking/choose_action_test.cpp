@@ -173,12 +173,73 @@ TEST(ChooseAction, ModelsWhatIsNotRecognisedWhereAnAwaitedStoneIsNotSeen) {
   State reached = state;
   reached.options.max_stones = static_cast<int>(state.world.stack.size());
   EXPECT_TRUE(std::holds_alternative<Stop>(decide(reached).action));
-  state.memory = remember_modelled(state.memory, {lost}, {}, models());
+  state.memory = remember_modelled(state.memory, ModelAnew{{lost}}, {}, models());
   EXPECT_TRUE(std::holds_alternative<Place>(decide(state).action)) << "once is enough";
   state.memory.awaited.insert(absent[1]);
   EXPECT_TRUE(std::holds_alternative<ModelAnew>(decide(state).action));
   state.memory.modelled_anew = 4;
   EXPECT_TRUE(std::holds_alternative<Place>(decide(state).action)) << "not without end";
+}
+
+/// A base of the tower that was set down just now, by a model that nobody scanned.
+State modelled_base() {
+  State state = read("place");
+  state.memory.awaited = {state.world.stack.front().stone, state.world.loose.front().stone};
+  return state;
+}
+
+TEST(ChooseAction, ABaseThatRestsAsItsModelCannotIsModelledWhereItStands) {
+  State state = modelled_base();
+  ASSERT_EQ(state.world.stack.size(), 1U);
+  ASSERT_TRUE(std::holds_alternative<Place>(decide(state).action)) << "it rests as it was planned";
+  const auto models_base = [&](const State& changed) {
+    const Decision decision = decide(changed);
+    const auto* model = std::get_if<ModelAnew>(&decision.action);
+    return model != nullptr && model->in_sight &&
+           model->lost == std::vector<StoneIndex>{state.world.stack.front().stone};
+  };
+  for (RestingStack& resting : state.world.resting) resting.stack.reset();
+  EXPECT_TRUE(models_base(state));
+  State scanned = state;
+  scanned.memory.awaited.clear();
+  EXPECT_FALSE(models_base(scanned)) << "a scan is no guess";
+  State once = state;
+  once.memory =
+      remember_modelled(state.memory, ModelAnew{{state.world.stack.front().stone}, true}, {}, models());
+  EXPECT_FALSE(models_base(once)) << "nothing was made of it";
+  State moved = state;
+  moved.memory.records.front().stone = "another stone";
+  EXPECT_FALSE(models_base(moved)) << "something was done since it was set down";
+}
+
+TEST(ChooseAction, ABaseThatIsInclinedOtherwiseThanItsModelRestsIsModelledWhereItStands) {
+  State state = modelled_base();
+  const auto inclined_by = [&](double angle) {
+    State changed = state;
+    Pose& T_W_O = *changed.memory.records.front().T_W_O_measured;
+    T_W_O.linear() = Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitX()) * T_W_O.linear();
+    return changed;
+  };
+  EXPECT_TRUE(std::holds_alternative<Place>(decide(inclined_by(0.08)).action));
+  EXPECT_TRUE(std::holds_alternative<ModelAnew>(decide(inclined_by(0.25)).action));
+  State turned = state;
+  Pose& T_W_O = *turned.memory.records.front().T_W_O_measured;
+  T_W_O.linear() = Eigen::AngleAxisd(0.25, Eigen::Vector3d::UnitZ()) * T_W_O.linear();
+  EXPECT_TRUE(std::holds_alternative<Place>(decide(turned).action)) << "it slid, and is as its model";
+}
+
+TEST(ChooseAction, AStoneWhoseModelWasWrongIsNotLookedForAnyMore) {
+  const State state = modelled_base();
+  const StoneIndex base = state.world.stack.front().stone;
+  const PlacedStone instead{1_stone, state.world.stack.front().T_W_O_at_rest};
+  ASSERT_NE(base, instead.stone);
+  const RunMemory memory = remember_modelled(state.memory, ModelAnew{{base}, true}, {instead}, models());
+  EXPECT_TRUE(memory.disproved.contains(base));
+  EXPECT_FALSE(memory.last_seen.contains(base)) << "no view is taken to find it";
+  EXPECT_TRUE(memory.awaited.contains(instead.stone));
+  EXPECT_EQ(expected_after(state.world, memory, Stop{}).disproved, memory.disproved);
+  const RunMemory lost = remember_modelled(state.memory, ModelAnew{{base}}, {instead}, models());
+  EXPECT_TRUE(lost.disproved.empty()) << "one that is out of sight may come to light again";
 }
 
 TEST(ChooseAction, ObjectsThatLieThereWhileAllStonesAreSeenAreNoStones) {
@@ -273,12 +334,14 @@ TEST(StateFile, IsReadAsItWasWritten) {
 TEST(StateFile, KeepsWhatIsNoStoneAndWhatWasModelledAnew) {
   State state = read("place");
   state.memory.awaited = {2_stone};
+  state.memory.disproved = {1_stone};
   state.memory.modelled_anew = 3;
   state.memory.p_W_objects = {{0.4, -0.1}};
   const std::string path = test::temporary_folder() + "state_modelled.json";
   write_state(path, state.world, state.memory, models(), state.options);
   const State again = read_state(path, limestones());
   EXPECT_EQ(again.memory.awaited, state.memory.awaited);
+  EXPECT_EQ(again.memory.disproved, state.memory.disproved);
   EXPECT_EQ(again.memory.modelled_anew, state.memory.modelled_anew);
   ASSERT_EQ(again.memory.p_W_objects.size(), 1U);
   EXPECT_LT((again.memory.p_W_objects[0] - state.memory.p_W_objects[0]).norm(), 1e-12);

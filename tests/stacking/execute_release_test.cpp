@@ -18,7 +18,8 @@ using End = ExecutionResult::Status;
 /// `opens_at` (m), and when it has gone back.
 struct Released : scripted::Bench {
   double left = 0.0, left_after_retreat = 0.0, opens_at = 0.0;
-  bool lifted = false;
+  double left_again = 0.0;  ///< kg, once it was set down a second time
+  bool lifted = false, set_down_again = false;
 
   Released() {
     PlanStep open, grasp, lift;
@@ -33,12 +34,13 @@ struct Released : scripted::Bench {
     arm.after_motion = [this] {
       const bool retreated = released && lifted;
       if (!released) lifted = std::count(arm.commands.begin(), arm.commands.end(), "follow") > 1;
-      hang(retreated ? left_after_retreat : lifted ? 1.0 : 0.0);
+      if (retreated && arm.commands.back() == "lower") set_down_again = true;
+      hang(set_down_again ? left_again : retreated ? left_after_retreat : lifted ? 1.0 : 0.0);
     };
     gripper.after_move = [this](double opening) {
       gripper.object = opening <= 0.0;  // a gripper that opens never reports an object
       released = lifted && opening > 0.0;
-      if (released) hang(opening > opens_at ? left : 1.0);
+      if (released) hang(set_down_again ? left_again : opening > opens_at ? left : 1.0);
     };
   }
   void hang(double mass) {
@@ -46,7 +48,8 @@ struct Released : scripted::Bench {
     force.wrench.force = R_W_F.transpose() * Eigen::Vector3d(0, 0, -9.81 * mass);
     force.wrench.torque = layout.T_F_T.translation().cross(force.wrench.force);
   }
-  ExecutionResult run() { return Bench::run({Status::kNoContact, Status::kContact}); }
+  /// The third guarded motion is that of a stone which is set down once more.
+  ExecutionResult run() { return Bench::run({Status::kNoContact, Status::kContact, Status::kContact}); }
 
   bool released = false;
 };
@@ -92,8 +95,8 @@ TEST(ExecuteRelease, AStoneThatIsTippedOverMayLeanOnTheFingersUntilTheyLeave) {
   EXPECT_EQ(cell.arm.commands.back(), "follow");
 
   Released stuck;
-  stuck.left = stuck.left_after_retreat = 1.0;
-  stuck.arm.guarded = {Status::kNoContact, Status::kContact};
+  stuck.left = stuck.left_after_retreat = stuck.left_again = 1.0;
+  stuck.arm.guarded = {Status::kNoContact, Status::kContact, Status::kContact};
   const auto held =
       execute(stuck.plan, stuck.stone, stuck.scene, stuck.cell, {}, nullptr, LetGo::kTippedOver);
   EXPECT_EQ(held.status, End::kStopped);
@@ -140,6 +143,7 @@ TEST(ExecuteRelease, AnObjectThatIsReportedAtFullOpeningIsNone) {
   Released heavy;  // and comes along
   misreports(heavy, heavy.scene.gripper.max_opening);
   heavy.left_after_retreat = 1.0;
+  heavy.left_again = 1.0;
   EXPECT_EQ(heavy.run().status, End::kStopped);
 
   Released jammed;
@@ -149,10 +153,32 @@ TEST(ExecuteRelease, AnObjectThatIsReportedAtFullOpeningIsNone) {
 
 TEST(ExecuteRelease, AStoneThatComesAlongIsNotCarriedAround) {
   Released cell;  // it rested on the tower until the gripper went up
-  cell.left_after_retreat = 1.0;
+  cell.left_after_retreat = cell.left_again = 1.0;
   const auto done = cell.run();
   EXPECT_EQ(done.status, End::kStopped);
   EXPECT_THAT(done.reason, testing::HasSubstr("not empty after release"));
+  EXPECT_EQ(cell.arm.payloads.back(), carried_mass(cell.scene.gripper) + 1.0) << "the arm holds it still";
+}
+
+TEST(ExecuteRelease, AStoneThatComesAlongIsSetDownOnceMore) {
+  Released cell;
+  cell.left_after_retreat = 1.0;
+  const auto done = cell.run();
+  EXPECT_EQ(done.status, End::kReleased) << done.reason;
+  const std::vector<std::string> end(cell.arm.commands.end() - 3, cell.arm.commands.end());
+  EXPECT_THAT(end, testing::ElementsAre("lower", "open", "follow"));
+  EXPECT_DOUBLE_EQ(cell.gripper.stands_at, cell.scene.gripper.max_opening);
+  EXPECT_EQ(cell.arm.payloads.back(), carried_mass(cell.scene.gripper)) << "nothing is carried any more";
+}
+
+TEST(ExecuteRelease, AStoneThatCannotBeSetDownOnceMoreStaysWhereItIs) {
+  Released cell;
+  cell.left_after_retreat = 1.0;
+  const auto done =
+      static_cast<scripted::Bench&>(cell).run({Status::kNoContact, Status::kContact, Status::kStopped});
+  EXPECT_EQ(done.status, End::kStopped);
+  EXPECT_THAT(done.reason, testing::HasSubstr("down once more: scripted"));
+  EXPECT_EQ(cell.arm.commands.back(), "lower") << "nothing moves after a stop";
 }
 
 }  // namespace

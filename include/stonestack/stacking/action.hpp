@@ -67,6 +67,7 @@ struct LookAgain {
 /// of sight may be among it, and show a side that no model has.
 struct ModelAnew {
   std::vector<StoneIndex> lost;  ///< stones that are out of sight
+  bool in_sight = false;         ///< they are seen, but by their models they cannot rest as they do
 };
 /// End the run.
 struct Stop {

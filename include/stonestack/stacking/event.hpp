@@ -229,11 +229,13 @@ struct GripperRetried {
 /// Objects that are recognised as none of the stones are about to be viewed and modelled.
 struct ModellingBegun {
   std::vector<StoneIndex> lost;  ///< stones that are out of sight
+  bool in_sight = false;         ///< they are seen, but by their models they cannot rest as they do
 };
 /// An object that was none of the stones is one now: its model stands in the catalogue of the run.
 struct StoneModelled {
   StoneIndex stone = kNoStone;   ///< index in the catalogue, the last one
   std::vector<StoneIndex> lost;  ///< stones that are out of sight, of which it may be one
+  bool in_sight = false;         ///< it takes the place of the one stone that `lost` names
 };
 
 /// Anything that happens in a run.
