@@ -85,6 +85,22 @@ TEST(ExecuteRelease, AStoneThatStaysAtAFingerEndsTheRunBeforeTheRetreat) {
   EXPECT_EQ(cell.arm.payloads.back(), carried_mass(cell.scene.gripper) + 1.0) << "the arm holds it still";
 }
 
+TEST(ExecuteRelease, AFingerIsNotOpenedIntoTheTable) {
+  const auto times_opened = [](double inclination) {
+    Released cell;
+    cell.left = 1.0;
+    cell.scene.gripper = gripper_of(cell.layout);
+    Pose T_W_T(Eigen::Translation3d(0.6, 0.0, 0.07));  // tool down, then inclined
+    T_W_T.rotate(Eigen::AngleAxisd(inclination, Eigen::Vector3d::UnitY()));
+    T_W_T.rotate(Eigen::AngleAxisd(EIGEN_PI, Eigen::Vector3d::UnitX()));
+    const Pose T_R_T = forward(cell.scene.robot, cell.arm.q) * cell.scene.T_F_T;
+    cell.layout.T_W_R = cell.cell.layout.T_W_R = T_W_T * T_R_T.inverse();
+    EXPECT_EQ(cell.run().status, End::kStopped);
+    return std::count(cell.arm.commands.begin(), cell.arm.commands.end(), "open");
+  };
+  EXPECT_EQ(times_opened(0.0), times_opened(1.2) + 1) << "the lower finger goes down as it opens";
+}
+
 /// A stone that tips over falls onto the fingers, and off them as they leave.
 TEST(ExecuteRelease, AStoneThatIsTippedOverMayLeanOnTheFingersUntilTheyLeave) {
   Released cell;

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "rooms.hpp"
+#include "search/search_context.hpp"
 #include "stacking/heard.hpp"
 #include "stacking/journal.hpp"
 #include "stacking/resume_point.hpp"
@@ -93,6 +94,44 @@ TEST(ModelUnrecognised, NotWhereTheStonesWereScanned) {
   EXPECT_TRUE(run.modelled.empty());
   EXPECT_TRUE(all_of<ModellingBegun>(run.result.events).empty());
   EXPECT_EQ(run.result.height, 1);
+}
+
+/// Its own model says nothing: what is made of it rests as it does, and is where it is.
+TEST(ModelUnrecognised, AStoneInSightIsModelledWhereItStands) {
+  const Catalogue truth = read_catalogue(data_path("stones"));
+  const RobotModel robot = read_robot("ur10");
+  SimulatedCell cell{truth.stones, {1_stone, 3_stone}, robot, CellLayout{}, WrongModel::simulation()};
+  const Truth lying = cell.truth();
+  Pose T_W_O = at(lying.T_W_O, 1_stone);
+  T_W_O.translation().head<2>() = CellLayout{}.site;
+  cell.place(1_stone, T_W_O);
+  const BuildOptions options;
+  const Models models = make_models(truth, robot, CellLayout{});
+  const DetectionModels detection(truth.stones, options.detection);
+  StageSeconds seconds;
+  Workcell workcell{cell.cell(), models, detection, options, seconds, [](const Event&) {}, {}};
+  Expectation first;
+  first.first = true;
+  const WorldEstimate world = observe(workcell, first, [](const WorldEstimate&) {}).world;
+  ASSERT_EQ(world.stack.size(), 1U);
+  ASSERT_EQ(world.stack.front().stone, 1_stone);
+
+  const ModelledField field =
+      model_unrecognised(workcell, world, make_memory(options), ModelAnew{{1_stone}, true}, nullptr);
+  ASSERT_EQ(field.stones.size(), 1U) << (field.left_out.empty() ? "" : field.left_out.front());
+  const Stone& made = field.catalogue.stones.front();
+  const Pose& T_W_O_made = *field.stones.front().T_W_O;
+  const Eigen::Vector3d p_W_M = T_W_O * truth[1_stone].mass.p_O_M;
+  EXPECT_LT((T_W_O_made * made.mass.p_O_M - p_W_M).norm(), 0.012);
+  const double volume_is = volume(truth[1_stone].scan);
+  EXPECT_NEAR(volume(made.scan), volume_is, 0.3 * volume_is);
+  EXPECT_NEAR(made.mass.mass, truth[1_stone].mass.mass, 1e-9) << "that of the stone, which was weighed";
+  const search::StandingStack standing =
+      search::settled_stack(make_contact_shapes({made}), Stack{{{0_stone, T_W_O_made}}}, {}, true);
+  EXPECT_TRUE(standing.stack.has_value()) << standing.reason;
+  if (standing.stack) {
+    EXPECT_LT(difference(standing.stack->stones[0].T_W_O, T_W_O_made).angle, 0.03);
+  }
 }
 
 }  // namespace
