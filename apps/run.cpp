@@ -161,6 +161,10 @@ void add_run(CLI::App& app) {
       "run.unseen");
   add_path(sub, "--save-catalogue", command.order.save_catalogue,
            "With --unseen: keep the modelled stones here (default: in the run's folder, stones)", "DIR");
+  add_path(
+      sub, "--known", command.order.known,
+      "With --unseen: stones of this catalogue may lie among the others; they are recognised, not modelled",
+      "DIR");
   sub.add_option("--out", command.order.out,
                  "Folder for journal, options, picture and report (default: runs/<time>-<seed>)");
   add_path(sub, "--resume", command.resume,
@@ -179,6 +183,7 @@ void add_run(CLI::App& app) {
       "  stonestack run --robot ur10 --per-run 6 --wall 3+2+1\n"
       "  stonestack run --robot ur10 --per-run 5 --bridge 0.08\n"
       "  stonestack run --robot ur10 --unseen --save-catalogue my_stones\n"
+      "  stonestack run --robot ur10 --unseen --known my_stones\n"
       "  stonestack run --robot ur10 --cell my_lab.yaml --dry-run\n"
       "  stonestack run --robot ur10 --cell my_lab.yaml --execute --slow --step\n"
       "  stonestack run --robot ur10 --view\n"

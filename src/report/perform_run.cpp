@@ -122,6 +122,9 @@ bool model_unseen(RunReport& report, Cell cell, const SimulatedRun& run, const R
     options.motion = run.build.motion;
     options.modelling.segment.seed = run.build.detection.seed;
     options.stone.friction = run.build.search.friction;
+    options.detection = run.build.detection;
+    const Catalogue known = mode.known.empty() ? Catalogue{} : read_catalogue(mode.known);
+    options.known = &known;
     cell.layout.linkage = run.build.linkage;
     std::optional<stacking::SteppedDevices> stepped;
     if (mode.before_motion) stepped.emplace(cell, robot, mode.before_motion, &journal);
@@ -141,8 +144,9 @@ bool model_unseen(RunReport& report, Cell cell, const SimulatedRun& run, const R
           RunResult::End::kNothingSeen,
           "no stone was modelled" + (field.left_out.empty() ? std::string(": nothing lies in the field")
                                                             : ": " + field.left_out.front()));
-    log_info(concat(stones.modelled->stones.size(), " stones modelled in ", field.seconds,
-                    " s of the robot, kept in ", folder));
+    log_info(concat(stones.modelled->stones.size(),
+                    known.stones.empty() ? " stones modelled" : " stones modelled or recognised", " in ",
+                    field.seconds, " s of the robot, kept in ", folder));
     return true;
   } catch (const Interrupted&) {
     return end_run(RunResult::End::kInterrupted, "interrupted while the stones were modelled");

@@ -14,6 +14,7 @@ struct RunMode {
   bool dry = false;            ///< plans the first step only and commands nothing
   BeforeMotion before_motion;  ///< empty: nobody is asked
   std::string save_catalogue;  ///< as in RunOrder
+  std::string known;           ///< likewise
   bool only_model = false;     ///< likewise
   bool keeps = false;          ///< keeps in the folder what a resume needs
   bool resumes = false;        ///< goes on with the run that the folder holds

@@ -71,8 +71,9 @@ RecordedRun perform_at_speed(const RunOrder& order, const Catalogue& catalogue, 
 /// A run that fails before it begins leaves nothing behind that could go on.
 RecordedRun record_at_speed(const RunOrder& order, const Catalogue& catalogue, const RecordFolder& folder) {
   const bool resumes = !order.resume.empty();
-  const RunMode mode{order.dry,        order.before_motion, order.save_catalogue,
-                     order.only_model, can_resume(order),   resumes};
+  const RunMode mode{order.dry,   order.before_motion, order.save_catalogue,
+                     order.known, order.only_model,    can_resume(order),
+                     resumes};
   if (mode.keeps && !resumes) write_order(folder.path(), order, catalogue);
   try {
     return perform_at_speed(order, catalogue, folder, mode);
@@ -93,8 +94,16 @@ void check_unseen(const RunOrder& order) {
           "the camera around them: leave out --dry-run or --unseen");
   require(unseen || (order.save_catalogue.empty() && !order.only_model),
           "only stones that nobody scanned are modelled and saved: add --unseen");
+  require(unseen || order.known.empty(),
+          "without --unseen all stones are known: name their folder with --catalogue in place of --known");
+  std::vector<std::string> known;
+  if (!order.known.empty())
+    for (const Stone& stone : read_catalogue(order.known).stones) known.push_back(stone.name);
   if (order.save_catalogue.empty()) return;
-  const std::string first = stacking::modelled_name(1);
+  std::error_code not_there;
+  require(order.known.empty() || !std::filesystem::equivalent(order.known, order.save_catalogue, not_there),
+          "--save-catalogue names the folder of --known: save to another one");
+  const std::string first = stacking::modelled_name(known);
   require(
       order.replace_stones || !std::filesystem::exists(std::filesystem::path(order.save_catalogue) / first),
       "stone '", first, "' is in ", order.save_catalogue, " already; give another folder, or move it away");

@@ -81,8 +81,8 @@ std::optional<Action> model_base(const Situation& s, const RunMemory& memory) {
     return std::nullopt;
   const StoneIndex base = s.world.stack.front().stone;
   const PlacementRecord& last = memory.records.back();
-  if (last.stone != s.models.name(base) || !last.T_W_O_measured || !memory.awaited.contains(base))
-    return std::nullopt;
+  const bool guessed = s.models.stone(base).surface && memory.awaited.contains(base);
+  if (last.stone != s.models.name(base) || !last.T_W_O_measured || !guessed) return std::nullopt;
   const std::vector<RestingStack>& resting = s.world.resting;
   const bool rests = std::any_of(resting.begin(), resting.end(),
                                  [](const RestingStack& at) { return at.stack.has_value(); });

@@ -111,6 +111,15 @@ double share_on(const Cloud& cloud_C, const Pose& T_W_C, const Mesh& surface_W) 
   return asked > 0 ? near / asked : 0.0;
 }
 
+bool is_of_known(const AlignedScene& scene, int object, std::span<const StoneCandidate> candidates) {
+  constexpr double kExplained = 0.5;  // of what is seen
+  const auto& seen = scene.segmentation.objects[static_cast<std::size_t>(object)];
+  return std::any_of(candidates.begin(), candidates.end(), [&](const StoneCandidate& candidate) {
+    return candidate.made.known &&
+           share_on(seen.cloud_C, scene.views.front().T_W_C, candidate.model.mesh) > kExplained;
+  });
+}
+
 std::string unfit_object(const AlignedScene& scene, int object, const CellLayout& layout) {
   const Eigen::Vector2d off =
       (middle_of_object(scene, object).head<2>() - layout.field_centre).cwiseAbs() - 0.5 * layout.field_size;
@@ -152,8 +161,11 @@ void describe_model(StoneCandidate& candidate) {
 void model_again(const AlignedScene& first, const AlignedScene& second, const CellLayout& layout,
                  const ModelFieldOptions& options, std::vector<StoneCandidate>& candidates) {
   std::vector<bool> taken(second.segmentation.objects.size(), false);
+  for (int object = 0; object < static_cast<int>(taken.size()); ++object)
+    taken[static_cast<std::size_t>(object)] = is_of_known(second, object, candidates);
   for (StoneCandidate& candidate : candidates) {
     throw_if_interrupted();
+    if (candidate.made.known) continue;
     const Pose T_W_model = candidate.T_W_O * candidate.stone.T_O_file;
     std::optional<modelling::FoundObject> best;
     int best_object = -1;
@@ -172,7 +184,8 @@ void model_again(const AlignedScene& first, const AlignedScene& second, const Ce
     taken[static_cast<std::size_t>(best_object)] = true;
   }
   for (StoneCandidate& candidate : candidates)
-    if (!candidate.found_again) model_as_it_lies(second, layout, options, candidate, taken);
+    if (!candidate.found_again && !candidate.made.known)
+      model_as_it_lies(second, layout, options, candidate, taken);
 }
 
 }  // namespace stonestack::stacking

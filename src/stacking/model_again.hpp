@@ -1,5 +1,6 @@
 #pragma once
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -9,9 +10,10 @@
 /// Private to stacking/: a stone that nobody scanned, until its model is done.
 namespace stonestack::stacking {
 
-/// One stone while it is being modelled. O of the model is W of the first survey.
+/// One stone while it is being modelled. O of the model is W of the first survey. A known stone is among
+/// them as it lies.
 struct StoneCandidate {
-  int object = 0;  ///< in the first scene
+  int object = 0;  ///< in the first scene; -1: of a known stone
   modelling::ObjectModel model;
   Stone stone;
   Pose T_W_O;                               ///< of `stone`: where it is, or should have come to lie
@@ -30,6 +32,9 @@ struct StoneCandidate {
 [[nodiscard]] Eigen::Vector3d middle_of_object(const modelling::AlignedScene& scene, int object);
 /// Share of a cloud that lies within 10 mm of a closed surface or inside it.
 [[nodiscard]] double share_on(const Cloud& cloud_C, const Pose& T_W_C, const Mesh& surface_W);
+/// Does a known stone among the candidates explain most of what is seen of an object?
+[[nodiscard]] bool is_of_known(const modelling::AlignedScene& scene, int object,
+                               std::span<const StoneCandidate> candidates);
 /// Why an object is not seen well enough to make a stone of it; empty if it is.
 [[nodiscard]] std::string unfit_view(const modelling::AlignedScene& scene, int object);
 /// Why an object of the field is not made a stone of; empty if it is.

@@ -1,6 +1,7 @@
 #include "stacking/model_field.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <utility>
 
@@ -19,6 +20,7 @@
 #include "stonestack/core/log.hpp"
 #include "stonestack/geometry/obstacle.hpp"
 #include "stonestack/motion/pick_and_place.hpp"
+#include "stonestack/stacking/observe.hpp"
 
 namespace stonestack::stacking {
 namespace {
@@ -31,6 +33,7 @@ constexpr double kFieldHeight = 0.04;      // m: where the camera points at the 
 constexpr double kLeavingDistance = 0.62;  // m from the camera to the field
 constexpr double kMinGain = 0.3;           // of the unseen area, that a stone is turned for
 constexpr double kVisible = -0.25;         // z of a normal: flatter undersides are seen by no camera
+constexpr double kCertainlyKnown = 0.6;    // of a known stone and its pose: likelier than all else together
 constexpr double kRollsAway = 0.30;        // m from where a stone was let go of to where it may have rolled
 
 /// Corrects the camera's mount and the table's height by views that agree, then moves these to where arm and
@@ -91,23 +94,63 @@ AlignedScene align(const std::vector<SurveyView>& survey, const ModelFieldOption
   return scene;
 }
 
+/// Stones that are known, where the views show them.
+std::vector<StoneCandidate> find_known(const AlignedScene& scene, const ModelFieldOptions& options) {
+  std::vector<StoneCandidate> found;
+  if (options.known == nullptr || options.known->stones.empty()) return found;
+  std::vector<CameraView> views;
+  for (const DepthView& view : scene.views) views.push_back({view.image, view.T_W_C});
+  const DetectionModels models(options.known->stones, options.detection);
+  for (const Sighting& seen : find_in_views(views, models, first_stones(options.known->stones.size()),
+                                            {{}, {}, true}, options.detection)) {
+    if (seen.certainty < kCertainlyKnown) continue;
+    StoneCandidate candidate;
+    candidate.stone = (*options.known)[seen.stone];
+    candidate.T_W_O = seen.T_W_O;
+    candidate.model.mesh = transformed(candidate.stone.mesh, seen.T_W_O);
+    candidate.model.seen.assign(candidate.model.mesh.vertices.size(), 1);
+    candidate.model.sigma.assign(candidate.model.mesh.vertices.size(), 0.0);
+    candidate.model.seen_share = 1.0;
+    candidate.model.views = static_cast<int>(views.size());
+    candidate.object = -1;
+    candidate.made.name = candidate.stone.name;
+    candidate.made.known = true;
+    candidate.made.note = "known before: recognised";
+    describe_model(candidate);
+    found.push_back(std::move(candidate));
+  }
+  return found;
+}
+
+/// Names that a modelled stone must not get.
+std::vector<std::string> names_taken(const std::vector<StoneCandidate>& candidates,
+                                     const ModelFieldOptions& options) {
+  std::vector<std::string> names;
+  for (const StoneCandidate& candidate : candidates) names.push_back(candidate.made.name);
+  if (options.known != nullptr)
+    for (const Stone& stone : options.known->stones) names.push_back(stone.name);
+  return names;
+}
+
 std::vector<StoneCandidate> model_first(const AlignedScene& scene, const CellLayout& layout,
                                         const GripperModel& gripper, const ModelFieldOptions& options,
                                         std::vector<std::string>& left_out) {
-  std::vector<StoneCandidate> candidates;
+  std::vector<StoneCandidate> candidates = find_known(scene, options);
+  const std::size_t known = candidates.size();
   for (int object = 0; object < static_cast<int>(scene.segmentation.objects.size()); ++object) {
     throw_if_interrupted();
     const auto& seen = scene.segmentation.objects[static_cast<std::size_t>(object)];
     log_debug(concat("object at (", middle_of_object(scene, object).transpose(), ") m, size ",
                      seen.size.transpose(), " m, ", seen.pixels, " pixels in ", seen.views,
                      " views, confidence ", seen.confidence));
+    if (is_of_known(scene, object, {candidates.data(), known})) continue;
     std::string why = unfit_object(scene, object, layout);
     if (why.empty()) {
       StoneCandidate candidate;
       candidate.object = object;
       const LyingObject lying{&scene, object};
       candidate.model = modelling::model_object({&lying, 1}, options.modelling);
-      candidate.made.name = modelled_name(candidates.size() + 1);
+      candidate.made.name = modelled_name(names_taken(candidates, options));
       try {
         candidate.stone = stone_of_model(candidate.model, candidate.made, options);
         candidate.T_W_O = candidate.stone.T_O_file.inverse();
@@ -148,9 +191,11 @@ Mesh hull_to_table(const Cloud& cloud_C, const Pose& T_W_C) {
 std::vector<Obstacle> obstacles_of(const AlignedScene& scene, const std::vector<StoneCandidate>& candidates) {
   std::vector<Obstacle> others;
   for (int object = 0; object < static_cast<int>(scene.segmentation.objects.size()); ++object) {
-    if (std::any_of(candidates.begin(), candidates.end(), [&](const StoneCandidate& candidate) {
-          return candidate.object == object || is_part_of(scene, object, candidate.model);
-        }))
+    if (std::any_of(candidates.begin(), candidates.end(),
+                    [&](const StoneCandidate& candidate) {
+                      return candidate.object == object || is_part_of(scene, object, candidate.model);
+                    }) ||
+        is_of_known(scene, object, candidates))
       continue;
     Obstacle other;
     other.name = concat("object ", object + 1);
@@ -302,6 +347,7 @@ class Turner {
 std::vector<SurfaceElement> unseen_surface(const std::vector<StoneCandidate>& candidates) {
   std::vector<SurfaceElement> elements;
   for (const StoneCandidate& candidate : candidates) {
+    if (candidate.made.known) continue;
     const Mesh& mesh = candidate.model.mesh;
     const Pose T_W_model = candidate.T_W_O * candidate.stone.T_O_file;
     for (const auto& face : mesh.faces) {
@@ -354,8 +400,11 @@ void see_other_sides(Cell& here, const RobotModel& robot, const AlignedScene& fi
                      const Eigen::Vector3d& p_W_field, const ModelFieldOptions& options, Journal* journal,
                      std::vector<StoneCandidate>& candidates, ModelledField& field) {
   const std::vector<Obstacle> others = obstacles_of(first, candidates);
-  if (options.turned_views > 0 && !candidates.empty()) {
+  const bool all_known = std::all_of(candidates.begin(), candidates.end(),
+                                     [](const StoneCandidate& candidate) { return candidate.made.known; });
+  if (options.turned_views > 0 && !all_known) {
     for (std::size_t k = 0; k < candidates.size(); ++k) {
+      if (candidates[k].made.known) continue;
       const PlanningScene scene = scene_with(here.layout, robot, candidates, others);
       Turner(here, scene, candidates, others, options, journal)
           .turn(candidates[k], static_cast<int>(here.layout.obstacles.size() + k));
@@ -376,8 +425,17 @@ void see_other_sides(Cell& here, const RobotModel& robot, const AlignedScene& fi
 
 }  // namespace
 
-std::string modelled_name(std::size_t number) {
-  return concat("stone_", number);
+std::string modelled_name(const std::vector<std::string>& taken) {
+  const std::string form = "stone_";
+  unsigned last = 0;
+  for (const std::string& name : taken) {
+    unsigned number = 0;
+    if (!name.starts_with(form)) continue;
+    const char *begin = name.data() + form.size(), *end = name.data() + name.size();
+    if (const auto read = std::from_chars(begin, end, number); read.ec == std::errc() && read.ptr == end)
+      last = std::max(last, number);
+  }
+  return concat(form, last + 1);
 }
 
 ModelledField model_field(Cell& cell, const RobotModel& robot, const ModelFieldOptions& options,
@@ -396,7 +454,11 @@ ModelledField model_field(Cell& cell, const RobotModel& robot, const ModelFieldO
   field.apart_before = first.apart_before;
   field.apart_after = first.apart_after;
   auto candidates = model_first(first, here.layout, unknown.gripper, options, field.left_out);
-  log_info(concat(candidates.size(), " stones modelled from ", field.views, " views"));
+  const auto known = std::count_if(candidates.begin(), candidates.end(),
+                                   [](const StoneCandidate& candidate) { return candidate.made.known; });
+  log_info(concat(candidates.size() - static_cast<std::size_t>(known), " stones modelled",
+                  known > 0 ? concat(" and ", known, " recognised") : std::string(), " from ", field.views,
+                  " views"));
   try {
     see_other_sides(here, robot, first, p_W_field, options, journal, candidates, field);
   } catch (const DeviceError& problem) {
@@ -405,7 +467,10 @@ ModelledField model_field(Cell& cell, const RobotModel& robot, const ModelFieldO
     field.interrupted = true;
   }
   for (StoneCandidate& candidate : candidates) {
-    if (!candidate.of_second) candidate.made.T_W_O_first = candidate.stone.T_O_file.inverse();
+    if (candidate.made.known)
+      candidate.made.T_W_O_first = candidate.T_W_O;
+    else if (!candidate.of_second)
+      candidate.made.T_W_O_first = candidate.stone.T_O_file.inverse();
     if (!candidate.moved)
       candidate.made.T_W_O = candidate.T_W_O;
     else if (candidate.made.note.empty())

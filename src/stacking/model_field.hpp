@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "stacking/journal.hpp"
+#include "stonestack/detection/detect_stones.hpp"
 #include "stonestack/hardware/cell.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/modelling/model_objects.hpp"
@@ -20,14 +21,17 @@ struct ModelFieldOptions {
   modelling::ModellingOptions modelling;
   ModelOptions stone;  ///< density, friction
   MotionOptions motion;
-  int first_views = 4;          ///< of the stones as they lie
-  int turned_views = 4;         ///< once they were turned; 0: none is turned
-  double view_distance = 0.55;  ///< [m]
+  const Catalogue* known = nullptr;  ///< stones of which some may lie there; null: none
+  DetectionOptions detection;        ///< how these are found
+  int first_views = 4;               ///< of the stones as they lie
+  int turned_views = 4;              ///< once they were turned; 0: none is turned
+  double view_distance = 0.55;       ///< [m]
 };
 
 /// A stone as it was modelled.
 struct ModelledStone {
   std::string name;
+  bool known = false;                         ///< before: it was recognised, not modelled
   bool turned = false;                        ///< seen in two poses
   std::string note;                           ///< why it was not turned, or not found again; empty otherwise
   double seen_share = 0.0;                    ///< of its surface
@@ -42,8 +46,8 @@ struct ModelledStone {
 /// Told of a stone that was modelled while a run went on.
 using ModelledHook = std::function<void(const Stone& stone, const ModelledStone& made)>;
 
-/// "stone_1": name of the modelled stone `number`, from 1.
-[[nodiscard]] std::string modelled_name(std::size_t number);
+/// "stone_1" or, of that form, the first after all names that are taken.
+[[nodiscard]] std::string modelled_name(const std::vector<std::string>& taken);
 
 /// Everything that was found out about the stones in the field.
 struct ModelledField {
@@ -61,8 +65,9 @@ struct ModelledField {
 /// Looks at the field from several sides, parts and models what lies there, sets each stone down on another
 /// of its sides and looks again, so that its underside is seen, too. Only what stands free, whole and within
 /// what the gripper can hold becomes a stone; one of which both looks share too little to be joined is
-/// modelled as it lies in the end. Nothing is moved that was not modelled. Once there are models, a stop of
-/// the arm or an interruption ends it with these.
+/// modelled as it lies in the end. Stones that are known are recognised and left as they lie. Nothing else is
+/// moved that was not modelled. Once there are models, a stop of the arm or an interruption ends it with
+/// these.
 /// @throws DeviceError when no view is reached or the arm stops before; Interrupted before.
 [[nodiscard]] ModelledField model_field(Cell& cell, const RobotModel& robot,
                                         const ModelFieldOptions& options = {}, Journal* journal = nullptr);

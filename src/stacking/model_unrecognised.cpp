@@ -127,7 +127,10 @@ class Modeller {
     if (std::string why = unfit_view(scene, object); !why.empty()) return why;
     StoneCandidate candidate;
     const modelling::LyingObject lying{&scene, object};
-    candidate.made.name = modelled_name(w_.models.catalogue->stones.size() + field.stones.size() + 1);
+    std::vector<std::string> taken;
+    for (const Stone& stone : w_.models.catalogue->stones) taken.push_back(stone.name);
+    for (const Stone& stone : field.catalogue.stones) taken.push_back(stone.name);
+    candidate.made.name = modelled_name(taken);
     candidate.made.mass = mass;
     try {
       candidate.model = modelling::model_object({&lying, 1}, options_.modelling);

@@ -44,6 +44,21 @@ TEST_F(UnseenRun, NothingMovesThatIsNotAllowed) {
   EXPECT_FALSE(done.report.modelling.has_value());
 }
 
+TEST_F(UnseenRun, KnownStonesAreAskedForWithUnknownOnesAndKeptWhereTheyAre) {
+  order_.known = data_path("stones");
+  order_.save_catalogue = order_.known;
+  EXPECT_THAT([&] { (void)record_run(order_, catalogue_); },
+              testing::ThrowsMessage<InvalidArgument>(HasSubstr("save to another one")));
+  order_.save_catalogue.clear();
+  order_.run.build.unseen = false;
+  EXPECT_THAT([&] { (void)record_run(order_, catalogue_); },
+              testing::ThrowsMessage<InvalidArgument>(HasSubstr("--catalogue in place of --known")));
+  order_.run.build.unseen = true;
+  order_.known = "/no/such/folder";
+  EXPECT_THROW((void)record_run(order_, catalogue_), FileError);
+  EXPECT_FALSE(std::filesystem::exists(order_.out)) << "refused before anything is begun";
+}
+
 TEST_F(UnseenRun, EachMotionOfModellingIsAskedForAndInTheJournal) {
   int allowed = 0;
   order_.before_motion = [&](const PlannedStep&) { return ++allowed <= 4; };  // the first views

@@ -181,64 +181,76 @@ TEST(ChooseAction, ModelsWhatIsNotRecognisedWhereAnAwaitedStoneIsNotSeen) {
   EXPECT_TRUE(std::holds_alternative<Place>(decide(state).action)) << "not without end";
 }
 
-/// A base of the tower that was set down just now, by a model that nobody scanned.
-State modelled_base() {
+/// A base of the tower that was set down just now, by a model that the camera made.
+struct ModelledBase {
+  Catalogue catalogue = limestones();
   State state = read("place");
-  state.memory.awaited = {state.world.stack.front().stone, state.world.loose.front().stone};
-  return state;
-}
+  StoneIndex base = state.world.stack.front().stone;
+  Models models;
+
+  explicit ModelledBase(bool by_camera = true) : models(make_models(catalogue, ur10(), CellLayout{})) {
+    const std::size_t vertices = limestones()[base].scan.vertices.size();
+    if (by_camera)
+      catalogue.stones[static_cast<std::size_t>(base.value())].surface =
+          SurfaceKnowledge{std::vector<double>(vertices, 0.001), std::vector<char>(vertices, 0), {}};
+    state.memory.awaited = {base, state.world.loose.front().stone};
+  }
+  /// It rests by its model at no friction.
+  void let_fall() {
+    for (RestingStack& resting : state.world.resting) resting.stack.reset();
+  }
+  [[nodiscard]] Action action() const {
+    return choose_action(state.world, state.memory, models, state.options).action;
+  }
+  [[nodiscard]] bool models_base() const {
+    const Action chosen = action();
+    const auto* model = std::get_if<ModelAnew>(&chosen);
+    return model != nullptr && model->in_sight && model->lost == std::vector<StoneIndex>{base};
+  }
+};
 
 TEST(ChooseAction, ABaseThatRestsAsItsModelCannotIsModelledWhereItStands) {
-  State state = modelled_base();
-  ASSERT_EQ(state.world.stack.size(), 1U);
-  ASSERT_TRUE(std::holds_alternative<Place>(decide(state).action)) << "it rests as it was planned";
-  const auto models_base = [&](const State& changed) {
-    const Decision decision = decide(changed);
-    const auto* model = std::get_if<ModelAnew>(&decision.action);
-    return model != nullptr && model->in_sight &&
-           model->lost == std::vector<StoneIndex>{state.world.stack.front().stone};
-  };
-  for (RestingStack& resting : state.world.resting) resting.stack.reset();
-  EXPECT_TRUE(models_base(state));
-  State scanned = state;
-  scanned.memory.awaited.clear();
-  EXPECT_FALSE(models_base(scanned)) << "a scan is no guess";
-  State once = state;
-  once.memory =
-      remember_modelled(state.memory, ModelAnew{{state.world.stack.front().stone}, true}, {}, models());
-  EXPECT_FALSE(models_base(once)) << "nothing was made of it";
-  State moved = state;
-  moved.memory.records.front().stone = "another stone";
-  EXPECT_FALSE(models_base(moved)) << "something was done since it was set down";
+  ModelledBase in;
+  ASSERT_EQ(in.state.world.stack.size(), 1U);
+  ASSERT_TRUE(std::holds_alternative<Place>(in.action())) << "it rests as it was planned";
+  in.let_fall();
+  EXPECT_TRUE(in.models_base());
+  in.state.memory.records.front().stone = "another stone";
+  EXPECT_FALSE(in.models_base()) << "something was done since it was set down";
+
+  ModelledBase scanned(false);
+  scanned.let_fall();
+  EXPECT_FALSE(scanned.models_base()) << "a scan is no guess";
+
+  ModelledBase once;
+  once.let_fall();
+  once.state.memory = remember_modelled(once.state.memory, ModelAnew{{once.base}, true}, {}, once.models);
+  EXPECT_FALSE(once.models_base()) << "nothing was made of it";
 }
 
 TEST(ChooseAction, ABaseThatIsInclinedOtherwiseThanItsModelRestsIsModelledWhereItStands) {
-  State state = modelled_base();
-  const auto inclined_by = [&](double angle) {
-    State changed = state;
-    Pose& T_W_O = *changed.memory.records.front().T_W_O_measured;
-    T_W_O.linear() = Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitX()) * T_W_O.linear();
-    return changed;
+  const auto models_when_turned = [](double angle, const Eigen::Vector3d& axis) {
+    ModelledBase in;
+    Pose& T_W_O = *in.state.memory.records.front().T_W_O_measured;
+    T_W_O.linear() = Eigen::AngleAxisd(angle, axis) * T_W_O.linear();
+    return in.models_base();
   };
-  EXPECT_TRUE(std::holds_alternative<Place>(decide(inclined_by(0.08)).action));
-  EXPECT_TRUE(std::holds_alternative<ModelAnew>(decide(inclined_by(0.25)).action));
-  State turned = state;
-  Pose& T_W_O = *turned.memory.records.front().T_W_O_measured;
-  T_W_O.linear() = Eigen::AngleAxisd(0.25, Eigen::Vector3d::UnitZ()) * T_W_O.linear();
-  EXPECT_TRUE(std::holds_alternative<Place>(decide(turned).action)) << "it slid, and is as its model";
+  EXPECT_FALSE(models_when_turned(0.08, Eigen::Vector3d::UnitX()));
+  EXPECT_TRUE(models_when_turned(0.25, Eigen::Vector3d::UnitX()));
+  EXPECT_FALSE(models_when_turned(0.25, Eigen::Vector3d::UnitZ())) << "it slid, and is as its model";
 }
 
 TEST(ChooseAction, AStoneWhoseModelWasWrongIsNotLookedForAnyMore) {
-  const State state = modelled_base();
-  const StoneIndex base = state.world.stack.front().stone;
-  const PlacedStone instead{1_stone, state.world.stack.front().T_W_O_at_rest};
-  ASSERT_NE(base, instead.stone);
-  const RunMemory memory = remember_modelled(state.memory, ModelAnew{{base}, true}, {instead}, models());
-  EXPECT_TRUE(memory.disproved.contains(base));
-  EXPECT_FALSE(memory.last_seen.contains(base)) << "no view is taken to find it";
+  const ModelledBase in;
+  const PlacedStone instead{2_stone, in.state.world.stack.front().T_W_O_at_rest};
+  ASSERT_NE(in.base, instead.stone);
+  const RunMemory memory =
+      remember_modelled(in.state.memory, ModelAnew{{in.base}, true}, {instead}, in.models);
+  EXPECT_TRUE(memory.disproved.contains(in.base));
+  EXPECT_FALSE(memory.last_seen.contains(in.base)) << "no view is taken to find it";
   EXPECT_TRUE(memory.awaited.contains(instead.stone));
-  EXPECT_EQ(expected_after(state.world, memory, Stop{}).disproved, memory.disproved);
-  const RunMemory lost = remember_modelled(state.memory, ModelAnew{{base}}, {instead}, models());
+  EXPECT_EQ(expected_after(in.state.world, memory, Stop{}).disproved, memory.disproved);
+  const RunMemory lost = remember_modelled(in.state.memory, ModelAnew{{in.base}}, {instead}, in.models);
   EXPECT_TRUE(lost.disproved.empty()) << "one that is out of sight may come to light again";
 }
 

@@ -60,14 +60,16 @@ struct TwoStones {
   std::vector<Pose> T_W_O_last;
   ModelledField field;
 
-  TwoStones() {
+  explicit TwoStones(const Catalogue& known = {}) {
     const RobotModel robot = read_robot("ur10");
     SimulationOptions simulation = options_of_cell("mild");
     simulation.seed = 5;
     SimulatedCell world(catalogue.stones, present, robot, CellLayout{}, simulation);
     T_W_O_first = world.truth().T_W_O;
     Cell cell = world.cell();
-    field = model_field(cell, robot);
+    ModelFieldOptions options;
+    options.known = &known;
+    field = model_field(cell, robot, options);
     T_W_O_last = world.truth().T_W_O;
   }
   /// The stone that a model is of: the one that lay, or lies, nearest.
@@ -117,6 +119,32 @@ TEST(ModelField, StonesThatNobodyScannedAreModelledTurnedAndWeighed) {
     ASSERT_TRUE(made.mass.has_value());
     EXPECT_NEAR(*made.mass / in.catalogue[is].mass.mass, 1.0, 0.05);
   }
+}
+
+TEST(ModelField, StonesThatAreKnownAreRecognisedAndLeftAsTheyLie) {
+  Catalogue known;
+  const Catalogue all = read_catalogue(data_path("stones"));
+  known.stones = {all[1_stone], all[5_stone]};
+  known.stones[1].name = "stone_7";  // which is not there
+  const TwoStones in(known);
+  EXPECT_EQ(in.field.stopped, "");
+  ASSERT_EQ(in.field.stones.size(), 2U);
+  const ModelledStone& recognised = in.field.stones[0];
+  EXPECT_TRUE(recognised.known);
+  EXPECT_EQ(recognised.name, all[1_stone].name);
+  EXPECT_EQ(in.field.catalogue.stones[0].scan.vertices, all[1_stone].scan.vertices);
+  EXPECT_FALSE(recognised.mass.has_value()) << "it was not lifted";
+  ASSERT_TRUE(recognised.T_W_O && recognised.T_W_O_first);
+  EXPECT_LT(in.off(all[1_stone], 1_stone, at(in.T_W_O_last, 1_stone), *recognised.T_W_O), 0.002);
+  EXPECT_LT(difference(at(in.T_W_O_first, 1_stone), at(in.T_W_O_last, 1_stone)).translation, 0.001);
+  EXPECT_FALSE(in.field.stones[1].known);
+  EXPECT_EQ(in.field.stones[1].name, "stone_8") << "no name of a known stone, there or not";
+  EXPECT_TRUE(in.field.stones[1].mass.has_value());
+}
+
+TEST(ModelField, NamesGoOnAfterThoseThatAreTaken) {
+  EXPECT_EQ(modelled_name({}), "stone_1");
+  EXPECT_EQ(modelled_name({"stone_2", "limestone_9", "stone_x", "stone_12b", "my_stone_40"}), "stone_3");
 }
 
 TEST(ModelField, AnEmptyFieldGivesNoStone) {

@@ -45,6 +45,7 @@ struct RunOrder {
   /// Where stones that nobody scanned are kept once they are modelled (`run.unseen`); empty: the folder
   /// `stones` of the record.
   std::string save_catalogue;
+  std::string known;  ///< with `run.unseen`: catalogue of stones of which some may lie there; empty: none
   bool replace_stones = false;  ///< stones of that name that are there already are replaced
   bool only_model = false;      ///< with `run.unseen`: ends when the stones are modelled
   std::string resume;           ///< folder of a run that goes on (`read_resumable_run`); empty: a new run

@@ -55,7 +55,7 @@ TableView view_of_table(const DepthImage& image, const Plane& table_C, const Pos
       };
       if (height > kAboveTable && height < kMaxHeight)
         cubes.try_emplace({index(0, kCube), index(1, kCube), index(2, kCube)}, p_W);
-      if (std::abs(height) <= kTableTolerance) cells.emplace(index(0, view.cell), index(1, view.cell));
+      if (std::abs(height) <= kTableTolerance) cells.insert({index(0, view.cell), index(1, view.cell)});
     }
   for (const auto& [cube, p_W] : cubes) view.above_W.push_back(p_W);
   Eigen::AlignedBox2d box;
