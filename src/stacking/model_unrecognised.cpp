@@ -24,7 +24,7 @@ bool names(const ModelAnew& action, StoneIndex stone) {
   return std::find(action.lost.begin(), action.lost.end(), stone) != action.lost.end();
 }
 
-/// What is known to lie where it was seen: not the stones that an action models where they stand.
+/// Stones that lie where they were seen, without those that an action models where they stand.
 Arrangement known_stones(const WorldEstimate& world, const ModelAnew& action) {
   Arrangement known = at_rest(world);
   for (auto* list : {&known.stack, &known.loose})

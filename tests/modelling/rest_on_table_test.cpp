@@ -63,7 +63,7 @@ TEST(RestOnTable, NoMoreOfTheUndersideIsSetOnTheTableThanCarriesTheObject) {
   EXPECT_LT(within, 0.012);
 }
 
-TEST(RestOnTable, WhatWasSeenFromBelowStays) {
+TEST(RestOnTable, SurfaceThatWasSeenFromBelowStays) {
   ObjectModel model = inclined_pebble();
   std::fill(model.seen.begin(), model.seen.end(), 1);
   const Mesh before = model.mesh;

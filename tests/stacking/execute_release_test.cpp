@@ -18,7 +18,7 @@ using End = ExecutionResult::Status;
 /// `opens_at` (m), and when it has gone back.
 struct Released : scripted::Bench {
   double left = 0.0, left_after_retreat = 0.0, opens_at = 0.0;
-  double left_again = 0.0;  ///< kg, once it was set down a second time
+  double left_again = 0.0;  ///< of it (kg) hangs after it was set down a second time
   bool lifted = false, set_down_again = false;
 
   Released() {

@@ -76,42 +76,48 @@ std::vector<Eigen::Vector3f> starts_beside(const Eigen::Vector3f& towards, float
   return starts;
 }
 
-/// Mean cost of the patch's points at a pose: squared distance plus what the normals disagree, both capped.
-/// Infinite as soon as it is sure to be above `limit`.
-float misfit(const DetectionModel& model, const SeenPatch& patch, const Eigen::Matrix3f& R_O_C,
-             const Eigen::Vector3f& t_O_C, float reach, float limit) {
-  const float cap = reach * reach, most = limit * static_cast<float>(patch.points.size());
+/// Points of a patch turned into O, without the translation.
+void turned_to(const SeenPatch& patch, const Eigen::Matrix3f& R_O_C, std::vector<PatchPoint>& turned) {
+  turned.clear();
+  for (const PatchPoint& point : patch.points) turned.push_back({R_O_C * point.p, R_O_C * point.n});
+}
+
+/// Mean cost of a patch's turned points with a translation: squared distance plus what the normals disagree,
+/// both capped. Infinite as soon as it is sure to be above `limit`.
+float misfit(const DetectionModel& model, const std::vector<PatchPoint>& turned, const Eigen::Vector3f& t_O_C,
+             float reach, float limit) {
+  const float cap = reach * reach, most = limit * static_cast<float>(turned.size());
   float sum = 0;
-  for (const PatchPoint& point : patch.points) {
+  for (const PatchPoint& point : turned) {
     if (sum > most) return std::numeric_limits<float>::infinity();
-    const Eigen::Vector3f q = R_O_C * point.p + t_O_C;
+    const Eigen::Vector3f q = point.p + t_O_C;
     const int k = model.field.nearest(q);
     if (k < 0) {
       sum += 2.0F * cap;
       continue;
     }
     const float d2 = (q - model.surface.points[static_cast<std::size_t>(k)]).squaredNorm();
-    const float cosine = model.surface.normals[static_cast<std::size_t>(k)].dot(R_O_C * point.n);
+    const float cosine = model.surface.normals[static_cast<std::size_t>(k)].dot(point.n);
     sum += std::min(d2, cap) + cap * std::min(1.0F, 1.0F - cosine);
   }
-  return sum / static_cast<float>(patch.points.size());
+  return sum / static_cast<float>(turned.size());
 }
 
 /// The step of translation that carries the patch towards the model, point to plane. Slightly damped, so that
 /// it stays where a direction is free.
-Eigen::Vector3f slide(const DetectionModel& model, const SeenPatch& patch, const Eigen::Matrix3f& R_O_C,
+Eigen::Vector3f slide(const DetectionModel& model, const std::vector<PatchPoint>& turned,
                       const Eigen::Vector3f& t_O_C) {
   float xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
   Eigen::Vector3f g = Eigen::Vector3f::Zero();
-  int count = 0, left = static_cast<int>(patch.points.size());
+  int count = 0, left = static_cast<int>(turned.size());
   const int enough = (left + 1) / 2;
-  for (const PatchPoint& point : patch.points) {
+  for (const PatchPoint& point : turned) {
     if (count + left-- < enough) return Eigen::Vector3f::Zero();
-    const Eigen::Vector3f q = R_O_C * point.p + t_O_C;
+    const Eigen::Vector3f q = point.p + t_O_C;
     const int k = model.field.nearest(q);
     if (k < 0) continue;
     const Eigen::Vector3f& n = model.surface.normals[static_cast<std::size_t>(k)];
-    if (n.dot(R_O_C * point.n) < 0) continue;
+    if (n.dot(point.n) < 0) continue;
     xx += n.x() * n.x(), xy += n.x() * n.y(), xz += n.x() * n.z();
     yy += n.y() * n.y(), yz += n.y() * n.z(), zz += n.z() * n.z();
     g += n.dot(model.surface.points[static_cast<std::size_t>(k)] - q) * n;
@@ -181,18 +187,20 @@ std::vector<Hypothesis> sweep_orientations(const DetectionModel& model, const Su
     return frame_about(patch.towards, step * static_cast<float>(turn)) *
            frame_about(model.sides[static_cast<std::size_t>(side)].towards, 0.0F).transpose();
   };
+  std::vector<PatchPoint> turned;
   const auto tried = [&](int side, int turn, const SeenPatch& points, std::span<const Eigen::Vector3f> starts,
                          float limit) {
     const Eigen::Matrix3f R_O_C = rotation(side, turn).transpose();
+    turned_to(points, R_O_C, turned);
     Trial best{std::numeric_limits<float>::infinity(), side, turn, {}};
     for (const auto& start : starts) {
       Eigen::Vector3f t = model.sides[static_cast<std::size_t>(side)].centre - R_O_C * (patch.centre + start);
       for (int k = 0; k < options.shifts; ++k) {
-        const Eigen::Vector3f step_O = slide(model, points, R_O_C, t);
+        const Eigen::Vector3f step_O = slide(model, turned, t);
         if (step_O.isZero()) break;
         t += step_O;
       }
-      const float cost = misfit(model, points, R_O_C, t, reach, std::min(limit, best.cost));
+      const float cost = misfit(model, turned, t, reach, std::min(limit, best.cost));
       if (cost < best.cost) best.cost = cost, best.t_O_C = t;
     }
     return best;

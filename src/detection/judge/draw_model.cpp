@@ -18,6 +18,8 @@ struct Corner {
 
 /// Draws a face that the camera sees from outside.
 void draw_face(DrawnModel& out, const Corner& a, const Corner& b, const Corner& c, int face) {
+  const double area = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
+  if (!(area < -1e-12)) return;  // x right, y down: faces seen from outside run clockwise
   const double y_min = std::min({a.y, b.y, c.y}), y_max = std::max({a.y, b.y, c.y});
   const double x_min = std::min({a.x, b.x, c.x}), x_max = std::max({a.x, b.x, c.x});
   const int y0 = std::max(0, static_cast<int>(std::ceil(y_min)));
@@ -25,8 +27,6 @@ void draw_face(DrawnModel& out, const Corner& a, const Corner& b, const Corner& 
   const int x0 = std::max(0, static_cast<int>(std::ceil(x_min)));
   const int x1 = std::min(out.width - 1, static_cast<int>(std::floor(x_max)));
   if (y0 > y1 || x0 > x1) return;  // between the pixels
-  const double area = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
-  if (!(area < -1e-12)) return;  // x right, y down: faces seen from outside run clockwise
   const double inverse = 1.0 / area;
   for (int y = y0; y <= y1; ++y)
     for (int x = x0; x <= x1; ++x) {
