@@ -86,7 +86,7 @@ TEST(ReadGripper, TheCameraStaysOnTheFlange) {
     for (std::size_t i = 0; i < gripper.boxes.size(); ++i) {
       EXPECT_EQ(mounted.boxes[i].p_T_centre, gripper.boxes[i].p_T_centre) << name << " " << i;
       if (!gripper.boxes[i].camera) continue;
-      const GripperBox& of_three = make_robotiq_3f().boxes[3];
+      const GripperBox of_three = make_robotiq_3f().boxes[3];
       EXPECT_NEAR(
           (layout.T_F_T * gripper.boxes[i].p_T_centre - hardware::CellLayout{}.T_F_T * of_three.p_T_centre)
               .norm(),
