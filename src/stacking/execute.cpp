@@ -19,7 +19,7 @@ bool leads_to_grasp(const PickAndPlacePlan& plan, const PlanStep& step) {
 
 ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const PlanningScene& scene,
                         Cell& cell, const MotionOptions& options, Journal* journal, LetGo how) {
-  PlanExecutor executor{plan, stone, scene, cell, options, journal};
+  PlanExecutor executor{plan, stone, scene, cell, options, journal, how == LetGo::kTippedOver};
   using Status = ExecutionResult::Status;
   ExecutionResult result;
   bool lowered = false, touched = false, loose = false;

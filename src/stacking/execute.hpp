@@ -28,7 +28,7 @@ enum class LetGo {
   kResting,    ///< it rests; nothing may be left in the fingers before they leave it
   kDragged,    ///< likewise, once it was dragged over the table, to measure the friction
   kTippedOver  ///< it falls over on the table, onto the fingers perhaps; nothing may be left in them
-               ///< afterwards
+               ///< afterwards. Its mass is a guess: what is lifted is weighed, not compared
 };
 
 /// Carries out a plan step by step: every step is in the journal before it begins. Payload follows the grasp.

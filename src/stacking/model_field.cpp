@@ -33,8 +33,10 @@ constexpr double kFieldHeight = 0.04;      // m: where the camera points at the 
 constexpr double kLeavingDistance = 0.62;  // m from the camera to the field
 constexpr double kMinGain = 0.3;           // of the unseen area, that a stone is turned for
 constexpr double kVisible = -0.25;         // z of a normal: flatter undersides are seen by no camera
-constexpr double kCertainlyKnown = 0.6;    // of a known stone and its pose: likelier than all else together
-constexpr double kRollsAway = 0.30;        // m from where a stone was let go of to where it may have rolled
+// kg/m^3: tuff has 1500, basalt 3000; a volume of which a side was guessed errs by a half at most.
+constexpr double kLightStone = 1000.0, kHeavyStone = 6000.0;
+constexpr double kCertainlyKnown = 0.6;  // of a known stone and its pose: likelier than all else together
+constexpr double kRollsAway = 0.30;      // m from where a stone was let go of to where it may have rolled
 
 /// Corrects the camera's mount and the table's height by views that agree, then moves these to where arm and
 /// mount say that they are, all told.
@@ -364,6 +366,15 @@ std::vector<SurfaceElement> unseen_surface(const std::vector<StoneCandidate>& ca
   return elements;
 }
 
+/// Why what was weighed is no stone; empty: it may be one.
+std::string unlike_stone(const StoneCandidate& candidate) {
+  if (!candidate.made.mass) return {};
+  const double density = *candidate.made.mass / volume(candidate.stone.scan);
+  if (density > kLightStone && density < kHeavyStone) return {};
+  return concat("weighs ", std::round(1e3 * *candidate.made.mass) / 1e3, " kg, ", std::lround(density),
+                " kg/m^3: no stone");
+}
+
 /// Route to a view of the whole field from which a run can begin, which does not know the field yet: not with
 /// the fingers where stones may stand.
 std::optional<JointTrajectory> route_from_field(Cell& cell, const PlanningScene& scene,
@@ -467,6 +478,10 @@ ModelledField model_field(Cell& cell, const RobotModel& robot, const ModelFieldO
     field.interrupted = true;
   }
   for (StoneCandidate& candidate : candidates) {
+    if (const std::string why = unlike_stone(candidate); !why.empty()) {
+      field.left_out.push_back(candidate.made.name + " " + why);
+      continue;
+    }
     if (candidate.made.known)
       candidate.made.T_W_O_first = candidate.T_W_O;
     else if (!candidate.of_second)

@@ -30,6 +30,7 @@ constexpr double kFarAbove = 1.0;      // m above the table: no finger is there
 constexpr double kTableReach = 0.006;  // m above the end of an approach: what is met lower is the table
 constexpr std::array kSharesBack{1.0, 0.75, 0.5, 0.25};  // of the way back that was asked for
 constexpr double kAsPlanned = 0.005;  // rad, half of what the arm allows at the start of a motion
+constexpr double kLightest = 1.0;     // N: less is not told from an empty gripper
 constexpr double kOffTable = 0.001;   // m, between finger tips that have felt the table and where they close
 constexpr double kFullyOpen = 0.003;  // m, of the opening: fingers so near to their end were stopped by it
 
@@ -43,7 +44,7 @@ void PlanExecutor::intend(const PlanStep& step) const {
 
 GripperMass PlanExecutor::load(bool holding) const {
   const GripperMass gripper = carried_gripper_mass(scene.gripper, cell.layout);
-  const GripperMass held{stone.mass.mass, p_F(plan.T_O_T.inverse() * stone.mass.p_O_M)};
+  const GripperMass held{mass, p_F(plan.T_O_T.inverse() * stone.mass.p_O_M)};
   return holding ? together(gripper, held) : gripper;
 }
 
@@ -88,9 +89,13 @@ ExecutionResult PlanExecutor::give_up(const PlanStep& step, const std::string& w
   return {Status::kNotPicked, 0.0, why};
 }
 
-ExecutionResult PlanExecutor::check_hold(const PlanStep& lift) const {
+ExecutionResult PlanExecutor::check_hold(const PlanStep& lift) {
   const WristLoad load = wrist.feel();
-  const double expected = kGravity * stone.mass.mass;
+  if (weighs && load.weight > kLightest && cell.gripper.state().object) {
+    mass = load.weight / kGravity;
+    set_payload(true);
+  }
+  const double expected = kGravity * mass;
   const double off = swing(load);
   record(journal, HoldMeasured{load.weight, expected, off});
   if (load.weight < kMinHeldShare * expected) {
@@ -118,7 +123,7 @@ std::string PlanExecutor::turned(double off) {
 
 ExecutionResult PlanExecutor::check_carried(const PlanStep* lift, const PlanStep& next) {
   if (lift == nullptr) return {};
-  const double expected = kGravity * stone.mass.mass;
+  const double expected = kGravity * mass;
   const CarriedLoad carried = feel_carried(wrist, cell, expected, kMinHeldShare);
   const double off = swing(carried.load);
   carried_weight = carried.load.weight;
@@ -248,7 +253,7 @@ bool PlanExecutor::reports_object_between() const {
 }
 
 ExecutionResult PlanExecutor::check_empty(const PlanStep& step, bool may_open) const {
-  const double max = max_in_empty_gripper(kGravity * stone.mass.mass);
+  const double max = max_in_empty_gripper(kGravity * mass);
   double left = wrist.feel().weight;
   const auto empty = [&] { return left <= max && !reports_object_between(); };
   if (!empty() && may_open) {

@@ -16,7 +16,9 @@ struct PlanExecutor {
   Cell& cell;
   const MotionOptions& options;
   Journal* journal;
-  double carried_weight = 0.0;  ///< measured when the stone was carried last [N]
+  bool weighs = false;            ///< the stone's mass is a guess until it is lifted
+  double mass = stone.mass.mass;  ///< of the stone [kg]
+  double carried_weight = 0.0;    ///< measured when the stone was carried last [N]
   Wrist wrist{cell, scene.robot, sensed_gripper_mass(scene.gripper, cell.layout)};
 
   void intend(const PlanStep& step) const;
@@ -31,8 +33,9 @@ struct PlanExecutor {
   [[nodiscard]] ExecutionResult grasp(const PlanStep& step) const;
   /// Opens and retreats, so that the next view starts free.
   [[nodiscard]] ExecutionResult give_up(const PlanStep& step, const std::string& why) const;
-  /// Compares the load on the wrist with that of the planned stone: its weight, and its line of action.
-  [[nodiscard]] ExecutionResult check_hold(const PlanStep& lift) const;
+  /// Compares the load on the wrist with that of the planned stone: its weight, and its line of action. A
+  /// mass that is a guess becomes the measured one.
+  [[nodiscard]] ExecutionResult check_hold(const PlanStep& lift);
   /// Distance of the load's line of action from the stone's centre of mass as planned [m].
   [[nodiscard]] double swing(const WristLoad& load) const;
   [[nodiscard]] static std::string turned(double off);

@@ -19,6 +19,7 @@ using End = ExecutionResult::Status;
 struct Released : scripted::Bench {
   double left = 0.0, left_after_retreat = 0.0, opens_at = 0.0;
   double left_again = 0.0;  ///< of it (kg) hangs after it was set down a second time
+  double weighs = 1.0;      ///< kg, the stone
   bool lifted = false, set_down_again = false;
 
   Released() {
@@ -35,12 +36,12 @@ struct Released : scripted::Bench {
       const bool retreated = released && lifted;
       if (!released) lifted = std::count(arm.commands.begin(), arm.commands.end(), "follow") > 1;
       if (retreated && arm.commands.back() == "lower") set_down_again = true;
-      hang(set_down_again ? left_again : retreated ? left_after_retreat : lifted ? 1.0 : 0.0);
+      hang(set_down_again ? left_again : retreated ? left_after_retreat : lifted ? weighs : 0.0);
     };
     gripper.after_move = [this](double opening) {
       gripper.object = opening <= 0.0;  // a gripper that opens never reports an object
       released = lifted && opening > 0.0;
-      if (released) hang(set_down_again ? left_again : opening > opens_at ? left : 1.0);
+      if (released) hang(set_down_again ? left_again : opening > opens_at ? left : weighs);
     };
   }
   void hang(double mass) {
@@ -117,6 +118,25 @@ TEST(ExecuteRelease, AStoneThatIsTippedOverMayLeanOnTheFingersUntilTheyLeave) {
       execute(stuck.plan, stuck.stone, stuck.scene, stuck.cell, {}, nullptr, LetGo::kTippedOver);
   EXPECT_EQ(held.status, End::kStopped);
   EXPECT_THAT(held.reason, testing::HasSubstr("not empty after release"));
+}
+
+/// Its model says 1 kg, by a density that is assumed.
+TEST(ExecuteRelease, AStoneThatWasNeverWeighedIsWeighedWhenItIsLifted) {
+  Released cell;
+  cell.weighs = 0.25;
+  cell.arm.guarded = {Status::kNoContact, Status::kContact};
+  const auto done = execute(cell.plan, cell.stone, cell.scene, cell.cell, {}, nullptr, LetGo::kTippedOver);
+  EXPECT_EQ(done.status, End::kReleased) << done.reason;
+  ASSERT_TRUE(done.weight.has_value());
+  EXPECT_NEAR(*done.weight, 0.25 * 9.81, 0.01);
+  const double gripper_mass = carried_mass(cell.scene.gripper);
+  ASSERT_GE(cell.arm.payloads.size(), 3U);
+  EXPECT_NEAR(cell.arm.payloads[1], gripper_mass + 0.25, 1e-3) << "as soon as it is known";
+  EXPECT_NEAR(cell.arm.payloads.back(), gripper_mass, 1e-12);
+
+  Released known;  // of a stone whose mass is known so much less is one that has slipped
+  known.weighs = 0.25;
+  EXPECT_EQ(known.run().status, End::kNotPicked);
 }
 
 TEST(ExecuteRelease, OpeningWiderMayFreeIt) {

@@ -142,6 +142,21 @@ TEST(ModelField, StonesThatAreKnownAreRecognisedAndLeftAsTheyLie) {
   EXPECT_TRUE(in.field.stones[1].mass.has_value());
 }
 
+TEST(ModelField, ThingsTooLightForStoneAreNone) {
+  const Catalogue catalogue = read_catalogue(data_path("stones"));
+  SimulationOptions simulation = options_of_cell("ideal");
+  simulation.foreign_objects = 1;  // of wood's density
+  simulation.seed = 5;
+  SimulatedCell world(catalogue.stones, {1_stone}, read_robot("ur10"), CellLayout{}, simulation);
+  Cell cell = world.cell();
+  const ModelledField field = model_field(cell, read_robot("ur10"));
+  ASSERT_EQ(field.stones.size(), 1U);
+  ASSERT_EQ(field.catalogue.stones.size(), 1U);
+  EXPECT_NEAR(*field.stones[0].mass, catalogue[1_stone].mass.mass, 0.1);
+  ASSERT_EQ(field.left_out.size(), 1U);
+  EXPECT_NE(field.left_out[0].find("kg/m^3: no stone"), std::string::npos) << field.left_out[0];
+}
+
 TEST(ModelField, NamesGoOnAfterThoseThatAreTaken) {
   EXPECT_EQ(modelled_name({}), "stone_1");
   EXPECT_EQ(modelled_name({"stone_2", "limestone_9", "stone_x", "stone_12b", "my_stone_40"}), "stone_3");
