@@ -106,7 +106,11 @@ ExecutionResult PlanExecutor::check_hold(const PlanStep& lift) {
     const bool held = load.weight > kEmptyGripper * expected || cell.gripper.state().object;
     return held ? put_back(lift, why) : release(why);
   }
-  if (off > kMaxSwing) return put_back(lift, turned(off));
+  if (off > kMaxSwing) {
+    ExecutionResult back = put_back(lift, turned(off));
+    if (weighs) back.weight = load.weight;
+    return back;
+  }
   ExecutionResult held;
   held.weight = load.weight;
   return held;

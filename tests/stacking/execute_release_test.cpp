@@ -19,7 +19,8 @@ using End = ExecutionResult::Status;
 struct Released : scripted::Bench {
   double left = 0.0, left_after_retreat = 0.0, opens_at = 0.0;
   double left_again = 0.0;  ///< of it (kg) hangs after it was set down a second time
-  double weighs = 1.0;      ///< kg, the stone
+  double weighs = 1.0;      ///< the stone [kg]
+  double beside = 0.0;      ///< where its load acts, along y of F from the tips [m]
   bool lifted = false, set_down_again = false;
 
   Released() {
@@ -47,7 +48,8 @@ struct Released : scripted::Bench {
   void hang(double mass) {
     const Eigen::Matrix3d R_W_F = (layout.T_W_R * forward(scene.robot, arm.q)).linear();
     force.wrench.force = R_W_F.transpose() * Eigen::Vector3d(0, 0, -9.81 * mass);
-    force.wrench.torque = layout.T_F_T.translation().cross(force.wrench.force);
+    force.wrench.torque =
+        (layout.T_F_T.translation() + Eigen::Vector3d(0, beside, 0)).cross(force.wrench.force);
   }
   /// The third guarded motion is that of a stone which is set down once more.
   ExecutionResult run() { return Bench::run({Status::kNoContact, Status::kContact, Status::kContact}); }
@@ -133,6 +135,15 @@ TEST(ExecuteRelease, AStoneThatWasNeverWeighedIsWeighedWhenItIsLifted) {
   ASSERT_GE(cell.arm.payloads.size(), 3U);
   EXPECT_NEAR(cell.arm.payloads[1], gripper_mass + 0.25, 1e-3) << "as soon as it is known";
   EXPECT_NEAR(cell.arm.payloads.back(), gripper_mass, 1e-12);
+
+  Released swung;
+  swung.weighs = 0.25;
+  swung.beside = 0.06;
+  swung.arm.guarded = {Status::kNoContact, Status::kContact};
+  const auto put_back =
+      execute(swung.plan, swung.stone, swung.scene, swung.cell, {}, nullptr, LetGo::kTippedOver);
+  EXPECT_EQ(put_back.status, End::kNotPicked);
+  EXPECT_NEAR(put_back.weight.value_or(0.0), 0.25 * 9.81, 0.01) << "it is known all the same";
 
   Released known;  // of a stone whose mass is known so much less is one that has slipped
   known.weighs = 0.25;
