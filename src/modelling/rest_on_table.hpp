@@ -4,8 +4,8 @@
 namespace stonestack::modelling {
 
 /// Completes the underside of a model of one object that stands still, by that: of the unseen surface that
-/// looks down the lowest is set on the table, as little as the centre of mass lies over by a margin. Does
-/// nothing to a model that shows no such surface.
+/// looks down the lowest is set on the table, as little as the centre of mass lies over by a margin. Nothing
+/// is left below the table.
 /// @param model in the frame of a scene: the table is z = 0
 void rest_on_table(ObjectModel& model);
 

@@ -266,7 +266,9 @@ struct ActionTitle {
   std::string operator()(const ClearBase& a) { return "clear the base of " + name(a.stray.stone); }
   std::string operator()(const Push& a) { return "push " + name(a.stone.stone); }
   std::string operator()(const LookAgain& a) { return "look again for " + name(a.stone); }
-  std::string operator()(const ModelAnew&) { return "model what is not recognised"; }
+  std::string operator()(const ModelAnew& a) {
+    return a.in_sight ? "model " + name(a.lost.front()) + " as it stands" : "model what is not recognised";
+  }
   std::string operator()(const Stop&) { return "stop"; }
 };
 

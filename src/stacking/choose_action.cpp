@@ -77,8 +77,8 @@ bool rests_inclined(const PlacementRecord& last) {
 /// it stands.
 std::optional<Action> model_base(const Situation& s, const RunMemory& memory) {
   if (memory.modelled_anew >= kMaxModelled || s.world.stack.size() != 1 || memory.records.empty() ||
-      height_is_reached(s.arrangement, s.options))
-    return std::nullopt;
+      s.models.wall || height_is_reached(s.arrangement, s.options))
+    return std::nullopt;  // a wall plans by stones, and has no place for another one
   const StoneIndex base = s.world.stack.front().stone;
   const PlacementRecord& last = memory.records.back();
   const bool guessed = s.models.stone(base).surface && memory.awaited.contains(base);

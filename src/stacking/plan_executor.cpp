@@ -73,11 +73,16 @@ ExecutionResult PlanExecutor::grasp(const PlanStep& step) const {
   } catch (const DeviceError& problem) {  // jammed: the arm has not moved, so opening is safe
     return give_up(step, problem.what());
   }
+  const std::string refusal = take_payload();
+  return refusal.empty() ? ExecutionResult{} : give_up(step, refusal);
+}
+
+std::string PlanExecutor::take_payload() const {
   const GripperMass carried = load(true);
   try {
     cell.arm.set_payload(carried.mass, carried.p_F_gripper);
-  } catch (const InvalidArgument& refusal) {  // too heavy; an arm that does not answer ends the run instead
-    return give_up(step, refusal.what());
+  } catch (const InvalidArgument& refusal) {
+    return refusal.what();
   }
   return {};
 }
@@ -91,9 +96,10 @@ ExecutionResult PlanExecutor::give_up(const PlanStep& step, const std::string& w
 
 ExecutionResult PlanExecutor::check_hold(const PlanStep& lift) {
   const WristLoad load = wrist.feel();
+  std::string refusal;
   if (weighs && load.weight > kLightest && cell.gripper.state().object) {
     mass = load.weight / kGravity;
-    set_payload(true);
+    refusal = take_payload();
   }
   const double expected = kGravity * mass;
   const double off = swing(load);
@@ -106,8 +112,8 @@ ExecutionResult PlanExecutor::check_hold(const PlanStep& lift) {
     const bool held = load.weight > kEmptyGripper * expected || cell.gripper.state().object;
     return held ? put_back(lift, why) : release(why);
   }
-  if (off > kMaxSwing) {
-    ExecutionResult back = put_back(lift, turned(off));
+  if (off > kMaxSwing || !refusal.empty()) {
+    ExecutionResult back = put_back(lift, refusal.empty() ? turned(off) : refusal);
     if (weighs) back.weight = load.weight;
     return back;
   }

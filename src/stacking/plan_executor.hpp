@@ -26,6 +26,9 @@ struct PlanExecutor {
   /// Mass and centre of mass of the gripper alone, or with the stone in it.
   [[nodiscard]] GripperMass load(bool holding) const;
   void set_payload(bool holding) const;
+  /// Tells the arm what it carries with the stone.
+  /// @return why it refuses that: too heavy; empty: it does not. An arm that does not answer ends the run
+  [[nodiscard]] std::string take_payload() const;
   [[nodiscard]] ExecutionResult follow(const PlanStep& step) const;
   /// Lifts to where the plan does, straight from where the arm stands: fingers that felt the table went back
   /// from where the plan grasps.

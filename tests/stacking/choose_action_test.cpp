@@ -226,6 +226,12 @@ TEST(ChooseAction, ABaseThatRestsAsItsModelCannotIsModelledWhereItStands) {
   once.let_fall();
   once.state.memory = remember_modelled(once.state.memory, ModelAnew{{once.base}, true}, {}, once.models);
   EXPECT_FALSE(once.models_base()) << "nothing was made of it";
+
+  ModelledBase of_wall;
+  of_wall.let_fall();
+  of_wall.models.wall = read_wall_target("2+1");
+  of_wall.state.memory.wall = WallPlanned{Pose::Identity(), {{of_wall.base, 0}}};
+  EXPECT_FALSE(of_wall.models_base()) << "no course is planned for another stone";
 }
 
 TEST(ChooseAction, ABaseThatIsInclinedOtherwiseThanItsModelRestsIsModelledWhereItStands) {

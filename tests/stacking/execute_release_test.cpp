@@ -53,6 +53,10 @@ struct Released : scripted::Bench {
   }
   /// The third guarded motion is that of a stone which is set down once more.
   ExecutionResult run() { return Bench::run({Status::kNoContact, Status::kContact, Status::kContact}); }
+  ExecutionResult tip_over() {
+    arm.guarded = {Status::kNoContact, Status::kContact, Status::kContact};
+    return execute(plan, stone, scene, cell, {}, nullptr, LetGo::kTippedOver);
+  }
 
   bool released = false;
 };
@@ -108,16 +112,13 @@ TEST(ExecuteRelease, AFingerIsNotOpenedIntoTheTable) {
 TEST(ExecuteRelease, AStoneThatIsTippedOverMayLeanOnTheFingersUntilTheyLeave) {
   Released cell;
   cell.left = 1.0;
-  cell.arm.guarded = {Status::kNoContact, Status::kContact};
-  const auto done = execute(cell.plan, cell.stone, cell.scene, cell.cell, {}, nullptr, LetGo::kTippedOver);
+  const auto done = cell.tip_over();
   EXPECT_EQ(done.status, End::kReleased) << done.reason;
   EXPECT_EQ(cell.arm.commands.back(), "follow");
 
   Released stuck;
   stuck.left = stuck.left_after_retreat = stuck.left_again = 1.0;
-  stuck.arm.guarded = {Status::kNoContact, Status::kContact, Status::kContact};
-  const auto held =
-      execute(stuck.plan, stuck.stone, stuck.scene, stuck.cell, {}, nullptr, LetGo::kTippedOver);
+  const auto held = stuck.tip_over();
   EXPECT_EQ(held.status, End::kStopped);
   EXPECT_THAT(held.reason, testing::HasSubstr("not empty after release"));
 }
@@ -126,8 +127,7 @@ TEST(ExecuteRelease, AStoneThatIsTippedOverMayLeanOnTheFingersUntilTheyLeave) {
 TEST(ExecuteRelease, AStoneThatWasNeverWeighedIsWeighedWhenItIsLifted) {
   Released cell;
   cell.weighs = 0.25;
-  cell.arm.guarded = {Status::kNoContact, Status::kContact};
-  const auto done = execute(cell.plan, cell.stone, cell.scene, cell.cell, {}, nullptr, LetGo::kTippedOver);
+  const auto done = cell.tip_over();
   EXPECT_EQ(done.status, End::kReleased) << done.reason;
   ASSERT_TRUE(done.weight.has_value());
   EXPECT_NEAR(*done.weight, 0.25 * 9.81, 0.01);
@@ -139,11 +139,18 @@ TEST(ExecuteRelease, AStoneThatWasNeverWeighedIsWeighedWhenItIsLifted) {
   Released swung;
   swung.weighs = 0.25;
   swung.beside = 0.06;
-  swung.arm.guarded = {Status::kNoContact, Status::kContact};
-  const auto put_back =
-      execute(swung.plan, swung.stone, swung.scene, swung.cell, {}, nullptr, LetGo::kTippedOver);
+  const auto put_back = swung.tip_over();
   EXPECT_EQ(put_back.status, End::kNotPicked);
   EXPECT_NEAR(put_back.weight.value_or(0.0), 0.25 * 9.81, 0.01) << "it is known all the same";
+
+  Released heavy;
+  heavy.weighs = 3.0;
+  heavy.arm.max_payload = gripper_mass + 2.0;
+  const auto refused = heavy.tip_over();
+  EXPECT_EQ(refused.status, End::kNotPicked);
+  EXPECT_THAT(refused.reason, testing::HasSubstr("the arm carries"))
+      << "put back, not held until somebody comes";
+  EXPECT_NEAR(refused.weight.value_or(0.0), 3.0 * 9.81, 0.01);
 
   Released known;  // of a stone whose mass is known so much less is one that has slipped
   known.weighs = 0.25;

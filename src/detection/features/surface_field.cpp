@@ -9,8 +9,7 @@ namespace stonestack::detection {
 
 SurfaceField::SurfaceField(std::span<const Eigen::Vector3f> points, float cell, float band)
     : inverse_cell_(1.0F / cell) {
-  require(!points.empty() && points.size() < kNone, "a surface field needs 1 to ", kNone - 1, " points, not ",
-          points.size());
+  require(!points.empty(), "a surface field needs points");
   Eigen::AlignedBox3f box;
   for (const auto& p : points) box.extend(p);
   origin_ = box.min() - Eigen::Vector3f::Constant(band);
@@ -20,7 +19,7 @@ SurfaceField::SurfaceField(std::span<const Eigen::Vector3f> points, float cell, 
   size_ = (extent * inverse_cell_).ceil().cast<int>() + 1;
   limit_ = size_.cast<float>();
   const auto cells = static_cast<std::size_t>(size_.prod());
-  nearest_.assign(cells, kNone);
+  nearest_.assign(cells, -1);
   std::vector<float> best(cells, band * band);
   const auto index = [&](const Eigen::Array3i& at) {
     return static_cast<std::size_t>((at.z() * size_.y() + at.y()) * size_.x() + at.x());
@@ -32,7 +31,7 @@ SurfaceField::SurfaceField(std::span<const Eigen::Vector3f> points, float cell, 
   // offered to its neighbours, until none of them gets any nearer.
   std::vector<Eigen::Array3i> front, next;
   std::vector<char> waits(cells, 0);
-  const auto offer = [&](const Eigen::Array3i& cell_at, std::uint16_t k) {
+  const auto offer = [&](const Eigen::Array3i& cell_at, std::int32_t k) {
     const Eigen::Array3i low = (cell_at - 1).max(0), high = (cell_at + 1).min(size_ - 1);
     Eigen::Array3i at;
     for (at.z() = low.z(); at.z() <= high.z(); ++at.z())
@@ -47,7 +46,7 @@ SurfaceField::SurfaceField(std::span<const Eigen::Vector3f> points, float cell, 
         }
   };
   for (std::size_t k = 0; k < points.size(); ++k)
-    offer(((points[k] - origin_).array() * inverse_cell_).cast<int>(), static_cast<std::uint16_t>(k));
+    offer(((points[k] - origin_).array() * inverse_cell_).cast<int>(), static_cast<std::int32_t>(k));
   while (!next.empty()) {
     front.swap(next);
     next.clear();

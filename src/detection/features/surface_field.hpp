@@ -1,7 +1,6 @@
 #pragma once
 #include <Eigen/Geometry>
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <vector>
 
@@ -13,7 +12,7 @@ namespace stonestack::detection {
 /// search, which makes a registration step cost microseconds. Frame O, metres.
 class SurfaceField {
  public:
-  /// `points`, fewer than 65535, within `band` of a query are found; cells are `cell` wide.
+  /// `points` within `band` of a query are found; cells are `cell` wide.
   SurfaceField(std::span<const Eigen::Vector3f> points, float cell, float band);
 
   /// Index of the sample nearest to the cell of `p`, or -1 further than about the band from all of them.
@@ -21,8 +20,7 @@ class SurfaceField {
     const Eigen::Array3f at = (p - origin_).array() * inverse_cell_;
     if (!(at.minCoeff() >= 0.0F) || !(at < limit_).all()) return -1;
     const Eigen::Array3i i = at.cast<int>();
-    const auto k = nearest_[static_cast<std::size_t>((i.z() * size_.y() + i.y()) * size_.x() + i.x())];
-    return k == kNone ? -1 : k;
+    return nearest_[static_cast<std::size_t>((i.z() * size_.y() + i.y()) * size_.x() + i.x())];
   }
 
  private:
@@ -30,8 +28,7 @@ class SurfaceField {
   float inverse_cell_;
   Eigen::Array3i size_;
   Eigen::Array3f limit_;
-  std::vector<std::uint16_t> nearest_;  ///< small: it is looked up at random
-  static constexpr std::uint16_t kNone = std::numeric_limits<std::uint16_t>::max();
+  std::vector<std::int32_t> nearest_;
 };
 
 }  // namespace stonestack::detection
