@@ -237,8 +237,10 @@ void add_modelling(CLI::App& app) {
       ->check(CLI::Range(0, 20))
       ->capture_default_str();
   command->common.register_draw(*sub);
+  command->common.loudness.register_on(*sub);
   sub->footer("Example:\n  stonestack-bench modelling --runs 20 --set simulation.cell=lab");
   measure_by(*sub, [command](Results& results) {
+    command->common.begin();
     command->common.settings.apply(join({nest("simulation", fields(command->simulation)),
                                          nest("modelling", fields(command->options.modelling))}));
     results.settings({{"runs", command->runs},

@@ -132,33 +132,48 @@ FoundObject agreement_of(const SeenSurface& surface, const std::vector<SeenPoint
     if (const auto near = surface.nearest(T_O_W * seen.p_W, within);
         near && near->normal.dot(T_O_W.linear() * seen.n_W) > kSameTurnedNormal)
       apart.push_back(std::abs(near->distance));
-  FoundObject found{T_W_O, static_cast<double>(apart.size()) / static_cast<double>(points.size()), 0.0};
+  FoundObject found;
+  found.T_W_O = T_W_O;
+  found.agreement = static_cast<double>(apart.size()) / static_cast<double>(points.size());
   if (!apart.empty()) found.apart = quantile(apart, 0.5);
   return found;
 }
 
-/// Evidence of the views for a pose, over the model's seen surface that faces them.
+/// Evidence of views for a pose, over surface that faces them.
 struct Evidence {
   std::size_t confirmed = 0;  ///< places where a view shows that surface
   std::size_t refuted = 0;    ///< where a view shows other surface near it, or sees through it
   std::size_t in_table = 0;   ///< places below the table
 
+  void add(const Evidence& other) {
+    confirmed += other.confirmed;
+    refuted += other.refuted;
+    in_table += other.in_table;
+  }
   [[nodiscard]] double share() const {
     const auto all = static_cast<double>(confirmed + refuted + in_table);
     return all > 0 ? static_cast<double>(confirmed) / all : 0.0;
   }
 };
 
-Evidence evidence_for(const SeenSurface& surface, const AlignedScene& scene,
-                      const std::vector<std::vector<float>>& free_to, const Pose& T_W_O, double within,
-                      std::size_t stride) {
-  Evidence evidence;
-  for (std::size_t i = 0; i < surface.vertices().size(); i += stride) {
-    const Eigen::Vector3d p_W = T_W_O * surface.vertices()[i];
+/// A scene whose views confirm or refute surface, and how far each sees.
+struct Witness {
+  const AlignedScene* scene;
+  std::vector<std::vector<float>> free_to;  ///< a view each
+  std::vector<Pose> T_C_W;                  ///< a view each
+
+  explicit Witness(const AlignedScene& seen) : scene(&seen) {
+    for (const DepthView& view : seen.views) {
+      free_to.push_back(seen_to(view.image));
+      T_C_W.push_back(view.T_W_C.inverse());
+    }
+  }
+  /// Adds what the views tell of one place, its normal outwards.
+  void tell(const Eigen::Vector3d& p_W, const Eigen::Vector3d& n_W, double within, Evidence& evidence) const {
     if (p_W.z() < -kBelowTable) ++evidence.in_table;
-    for (std::size_t k = 0; k < scene.views.size(); ++k) {
-      const DepthView& view = scene.views[k];
-      const Eigen::Vector3d p_C = view.T_W_C.inverse() * p_W;
+    for (std::size_t k = 0; k < scene->views.size(); ++k) {
+      const DepthView& view = scene->views[k];
+      const Eigen::Vector3d p_C = T_C_W[k] * p_W;
       if (p_C.z() <= 0.05) continue;
       const Eigen::Vector2d pixel = project(view.image.camera, p_C);
       const auto u = std::lround(pixel.x()), v = std::lround(pixel.y());
@@ -167,7 +182,7 @@ Evidence evidence_for(const SeenSurface& surface, const AlignedScene& scene,
         ++evidence.refuted;
         continue;
       }
-      const Eigen::Vector3d n_C = view.T_W_C.linear().transpose() * (T_W_O.linear() * surface.normals()[i]);
+      const Eigen::Vector3d n_C = T_C_W[k].linear() * n_W;
       if (-n_C.dot(p_C.normalized()) < kFacing) continue;
       const double z = view.image.at(static_cast<int>(u), static_cast<int>(v));
       if (!(z > 0) || z < p_C.z() - kInFront) continue;  // nothing is known, or something stands before it
@@ -177,34 +192,61 @@ Evidence evidence_for(const SeenSurface& surface, const AlignedScene& scene,
         ++evidence.refuted;
     }
   }
+};
+
+/// What views tell of the seen part of a model in that pose.
+Evidence evidence_for(const SeenSurface& surface, const Witness& witness, const Pose& T_W_O, double within,
+                      std::size_t stride) {
+  Evidence evidence;
+  for (std::size_t i = 0; i < surface.vertices().size(); i += stride)
+    witness.tell(T_W_O * surface.vertices()[i], T_W_O.linear() * surface.normals()[i], within, evidence);
+  return evidence;
+}
+
+/// What the views of which a model was made tell of what is seen of the object now, if that pose is right.
+Evidence evidence_before(const std::vector<SeenPoint>& points, const Witness& witness,
+                         const Pose& T_W_O_before, const Pose& T_W_O) {
+  const Pose T_before_now = T_W_O_before * T_W_O.inverse();
+  Evidence evidence;
+  for (const SeenPoint& seen : points)
+    witness.tell(T_before_now * seen.p_W, T_before_now.linear() * seen.n_W, kAgrees, evidence);
   return evidence;
 }
 
 /// The best pose so far that nothing refutes.
 class BestPose {
  public:
-  BestPose(const SeenSurface& surface, const AlignedScene& scene, std::vector<SeenPoint> points)
-      : surface_(surface), scene_(scene), points_(std::move(points)) {
-    for (const DepthView& view : scene.views) free_to_.push_back(seen_to(view.image));
+  BestPose(const SeenSurface& surface, std::span<const LyingObject> made_of, const AlignedScene& scene,
+           std::vector<SeenPoint> points)
+      : surface_(surface), now_(scene), points_(std::move(points)) {
+    for (const LyingObject& lay : made_of) before_.push_back({Witness(*lay.scene), lay.T_W_O});
   }
   void try_from(Pose T_W_O) {
     if (!follow(surface_, points_, kFineSteps, kWidestTurnedGate, kNarrowestTurnedGate, T_W_O)) return;
-    const FoundObject found = agreement_of(surface_, points_, kAgrees, T_W_O);
-    const Evidence evidence = evidence_for(surface_, scene_, free_to_, T_W_O, kAgrees, 1);
+    FoundObject found = agreement_of(surface_, points_, kAgrees, T_W_O);
+    const Evidence evidence = evidence_for(surface_, now_, T_W_O, kAgrees, 1);
     if (found.agreement < kMinAgreement || evidence.share() < kMinConfirmed) return;
-    if (best_ && evidence.share() * found.agreement <= quality_) return;
-    quality_ = evidence.share() * found.agreement;
+    Evidence back;
+    for (const auto& [witness, T_W_O_before] : before_)
+      back.add(evidence_before(points_, witness, T_W_O_before, T_W_O));
+    const double share_before = before_.empty() ? 1.0 : back.share();
+    found.confirmed = static_cast<double>(evidence.confirmed) * evidence.share() * share_before;
+    if (share_before < kMinConfirmed || (best_ && found.confirmed <= best_->confirmed)) return;
     best_ = found;
   }
   [[nodiscard]] const std::optional<FoundObject>& best() const { return best_; }
+  [[nodiscard]] const Witness& now() const { return now_; }
 
  private:
+  struct Before {
+    Witness witness;
+    Pose T_W_O;  ///< of the model there
+  };
   const SeenSurface& surface_;
-  const AlignedScene& scene_;
+  Witness now_;
   std::vector<SeenPoint> points_;
-  std::vector<std::vector<float>> free_to_;  ///< a view each
+  std::vector<Before> before_;
   std::optional<FoundObject> best_;
-  double quality_ = 0.0;
 };
 
 Eigen::Vector3d middle_of(const std::vector<SeenPoint>& points) {
@@ -227,15 +269,13 @@ std::vector<Pose> near_starts(const Pose& T_W_O, const Eigen::Vector3d& p_W_midd
 }
 
 /// The most promising of many poses all around: a stone that toppled may lie on any side.
-std::vector<Pose> far_starts(const SeenSurface& surface, const AlignedScene& scene,
+std::vector<Pose> far_starts(const SeenSurface& surface, const Witness& witness,
                              const std::vector<SeenPoint>& points, const Eigen::Vector3d& p_W_middle) {
   struct Start {
     Pose T_W_O;
     double share = 0.0;
   };
   std::vector<Start> starts(static_cast<std::size_t>(kDirections * kManyYaws));
-  std::vector<std::vector<float>> free_to;
-  for (const DepthView& view : scene.views) free_to.push_back(seen_to(view.image));
   const std::size_t stride = std::max<std::size_t>(1, surface.vertices().size() / kCoarseSamples);
   const double golden = M_PI * (3.0 - std::sqrt(5.0));
   tbb::parallel_for(0, kDirections, [&](int d) {
@@ -248,7 +288,7 @@ std::vector<Pose> far_starts(const SeenSurface& surface, const AlignedScene& sce
       start.T_W_O =
           Eigen::Translation3d(p_W_middle) * turn * upright * Eigen::Translation3d(-surface.middle());
       if (follow(surface, points, kCoarseSteps, kCoarseGate, kCoarseEnd, start.T_W_O))
-        start.share = evidence_for(surface, scene, free_to, start.T_W_O, 2.0 * kAgrees, stride).share();
+        start.share = evidence_for(surface, witness, start.T_W_O, 2.0 * kAgrees, stride).share();
     }
   });
   std::stable_sort(starts.begin(), starts.end(),
@@ -261,20 +301,21 @@ std::vector<Pose> far_starts(const SeenSurface& surface, const AlignedScene& sce
 
 }  // namespace
 
-std::optional<FoundObject> find_turned(const ObjectModel& model, const LyingObject& as_meant) {
+std::optional<FoundObject> find_turned(const ObjectModel& model, std::span<const LyingObject> made_of,
+                                       const LyingObject& as_meant) {
   require(as_meant.scene != nullptr, "a lying object needs its scene");
   const std::vector<SeenPoint> points = seen_points(as_meant, kFineSamples);
   if (points.size() < 100) return std::nullopt;
   const SeenSurface surface(model);
   const Eigen::Vector3d p_W_middle = middle_of(points);
-  BestPose best(surface, *as_meant.scene, points);
+  BestPose best(surface, made_of, *as_meant.scene, points);
   for (const Pose& start : near_starts(as_meant.T_W_O, p_W_middle)) {
     throw_if_interrupted();
     best.try_from(start);
   }
   if (best.best()) return best.best();
   for (const Pose& start :
-       far_starts(surface, *as_meant.scene, seen_points(as_meant, kCoarseSamples), p_W_middle)) {
+       far_starts(surface, best.now(), seen_points(as_meant, kCoarseSamples), p_W_middle)) {
     throw_if_interrupted();
     best.try_from(start);
   }

@@ -80,6 +80,37 @@ bool join(const AlignedScene& first, const AlignedScene& second, int object, con
   return true;
 }
 
+/// A candidate that may be an object of the second survey.
+struct Match {
+  std::size_t candidate = 0;
+  int object = 0;
+  modelling::FoundObject found;
+};
+
+/// All objects near where a candidate should lie that may be it.
+std::vector<Match> matches_of(const AlignedScene& first, const AlignedScene& second,
+                              const std::vector<StoneCandidate>& candidates, const std::vector<bool>& taken) {
+  std::vector<Match> matches;
+  for (std::size_t k = 0; k < candidates.size(); ++k) {
+    const StoneCandidate& candidate = candidates[k];
+    if (candidate.made.known) continue;
+    const Pose T_W_model = candidate.T_W_O * candidate.stone.T_O_file;
+    const LyingObject before{&first, candidate.object, Pose::Identity()};
+    for (int object = 0; object < static_cast<int>(taken.size()); ++object) {
+      throw_if_interrupted();
+      if (taken[static_cast<std::size_t>(object)] ||
+          (middle_of_object(second, object).head<2>() - place_on_table(candidate)).norm() > kSameObject)
+        continue;
+      const auto found = modelling::find_turned(candidate.model, {&before, 1}, {&second, object, T_W_model});
+      if (!found) continue;
+      log_debug(concat(candidate.stone.name, ": may be object ", object + 1, ", agreement ", found->agreement,
+                       ", apart ", found->apart * 1e3, " mm, ", found->confirmed, " places confirmed"));
+      matches.push_back({k, object, *found});
+    }
+  }
+  return matches;
+}
+
 /// Are the vertices of the scan those of the model, one after the other? A repaired scan has others.
 bool same_vertices(const Stone& stone, const Mesh& model) {
   constexpr double kSame = 1e-6;  // m
@@ -163,25 +194,14 @@ void model_again(const AlignedScene& first, const AlignedScene& second, const Ce
   std::vector<bool> taken(second.segmentation.objects.size(), false);
   for (int object = 0; object < static_cast<int>(taken.size()); ++object)
     taken[static_cast<std::size_t>(object)] = is_of_known(second, object, candidates);
-  for (StoneCandidate& candidate : candidates) {
-    throw_if_interrupted();
-    if (candidate.made.known) continue;
-    const Pose T_W_model = candidate.T_W_O * candidate.stone.T_O_file;
-    std::optional<modelling::FoundObject> best;
-    int best_object = -1;
-    for (int object = 0; object < static_cast<int>(taken.size()); ++object) {
-      if (taken[static_cast<std::size_t>(object)] ||
-          (middle_of_object(second, object).head<2>() - place_on_table(candidate)).norm() > kSameObject)
-        continue;
-      const auto found = modelling::find_turned(candidate.model, {&second, object, T_W_model});
-      if (found && (!best || found->agreement > best->agreement)) best = found, best_object = object;
-    }
-    log_debug(concat(candidate.stone.name, ": ",
-                     best ? concat("found, agreement ", best->agreement, ", apart ", best->apart * 1e3, " mm")
-                          : std::string("not found")));
-    if (!best) continue;
-    if (!join(first, second, best_object, best->T_W_O, options, candidate)) continue;
-    taken[static_cast<std::size_t>(best_object)] = true;
+  std::vector<Match> matches = matches_of(first, second, candidates, taken);
+  std::stable_sort(matches.begin(), matches.end(),
+                   [](const Match& a, const Match& b) { return a.found.confirmed > b.found.confirmed; });
+  for (const Match& match : matches) {
+    StoneCandidate& candidate = candidates[match.candidate];
+    const auto object = static_cast<std::size_t>(match.object);
+    if (candidate.found_again || taken[object]) continue;
+    if (join(first, second, match.object, match.found.T_W_O, options, candidate)) taken[object] = true;
   }
   for (StoneCandidate& candidate : candidates)
     if (!candidate.found_again && !candidate.made.known)

@@ -68,13 +68,19 @@ struct FoundObject {
   double agreement =
       0.0;             ///< share of what is seen of it that lies within 2 mm of the seen part of the model
   double apart = 0.0;  ///< median distance of that part [m]
+  /// Places of the model's seen part that views confirm, times the share that they do not refute: the larger
+  /// the likelier, of one model.
+  double confirmed = 0.0;
 };
 /// Finds how an object lies that was turned since it was modelled, by the surface that both show (iterated
 /// closest points): from several starts near where it was meant to lie, and if none agrees, as it may have
 /// toppled, from many all around. A pose is refuted where a view sees through what was seen of the model, or
-/// it lies in the table.
+/// it lies in the table, and where views of which the model was made see through what is seen now.
+/// @param made_of what the model was made of; may be empty
 /// @return empty where they share too little.
-[[nodiscard]] std::optional<FoundObject> find_turned(const ObjectModel& model, const LyingObject& as_meant);
+[[nodiscard]] std::optional<FoundObject> find_turned(const ObjectModel& model,
+                                                     std::span<const LyingObject> made_of,
+                                                     const LyingObject& as_meant);
 
 /// Every object of one scene as a model in W: what one set of views tells.
 [[nodiscard]] std::vector<ObjectModel> model_objects(const AlignedScene& scene,
