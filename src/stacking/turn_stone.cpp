@@ -1,0 +1,168 @@
+#include "stacking/turn_stone.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/constants.hpp"
+#include "geometry/convex_pieces.hpp"
+#include "motion/turn_over.hpp"
+#include "stacking/back_away.hpp"
+#include "stacking/execute.hpp"
+#include "stacking/record.hpp"
+#include "stacking/survey.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/log.hpp"
+
+namespace stonestack::stacking {
+namespace {
+
+constexpr double kMinGain = 0.3;     // of the unseen area, that a stone is turned for
+constexpr double kVisible = -0.25;   // z of a normal: flatter undersides are seen by no camera
+constexpr double kRollsAway = 0.30;  // m from where a stone was let go of to where it may have rolled
+
+/// Area of the unseen surface that a camera above the table sees with the stone turned by R_W_O.
+double area_shown(const StoneCandidate& candidate, const Eigen::Matrix3d& R_W_O) {
+  double area = 0.0;
+  const Mesh& mesh = candidate.model.mesh;
+  for (const auto& face : mesh.faces) {
+    bool seen = false;
+    for (int k = 0; k < 3; ++k) seen |= candidate.model.seen[static_cast<std::size_t>(face[k])] != 0;
+    if (seen) continue;
+    const auto& a = mesh.vertices[static_cast<std::size_t>(face[0])];
+    const Eigen::Vector3d n = 0.5 * (mesh.vertices[static_cast<std::size_t>(face[1])] - a)
+                                        .cross(mesh.vertices[static_cast<std::size_t>(face[2])] - a);
+    if ((R_W_O * candidate.stone.T_O_file.linear() * n).z() > kVisible * n.norm()) area += n.norm();
+  }
+  return area;
+}
+
+double unseen_area(const StoneCandidate& candidate) {
+  return (1.0 - candidate.model.seen_share) * surface_area(candidate.model.mesh);
+}
+
+class Turner {
+ public:
+  Turner(Cell& cell, const PlanningScene& scene, std::vector<StoneCandidate>& candidates,
+         const std::vector<Obstacle>& others, const ModelFieldOptions& options, Journal* journal)
+      : cell_(cell),
+        scene_(scene),
+        candidates_(candidates),
+        others_(others),
+        options_(options),
+        journal_(journal) {}
+
+  void turn(StoneCandidate& candidate, int object) {
+    PickAndPlaceTask task;
+    task.stone = &candidate.stone;
+    task.object = object;
+    task.T_W_O_pick = task.T_W_O_place = candidate.T_W_O;
+    task.q_start = cell_.arm.state().q;
+    const auto plan = plan_turn(scene_, task, ways_to_show(candidate), options_.motion);
+    if (!plan) {
+      candidate.made.note = "no grasp sets it down on another side";
+      log_info(candidate.stone.name + ": " + candidate.made.note);
+      return;
+    }
+    log_info("turning " + candidate.stone.name + " over");
+    candidate.moved = true;  // also where the arm stops on the way
+    const ExecutionResult done =
+        execute(plan->plan, candidate.stone, scene_, cell_, options_.motion, journal_, LetGo::kTippedOver);
+    if (done.status == ExecutionResult::Status::kStopped)
+      throw DeviceError("arm", "stopped while it turned " + candidate.stone.name + ": " + done.reason,
+                        "clear the cell and start again");
+    candidate.let_go = done.status == ExecutionResult::Status::kReleased;
+    if (done.weight) candidate.made.mass = *done.weight / kGravity;
+    if (candidate.let_go)
+      candidate.T_W_O = plan->T_W_O;
+    else
+      candidate.made.note = done.reason;
+    look_where_it_lies(candidate, object);
+  }
+
+ private:
+  /// One view from above of a stone that may lie otherwise than planned: from then on it is what is seen of
+  /// it.
+  void look_where_it_lies(StoneCandidate& candidate, int object) {
+    PlanningScene scene = scene_;
+    auto& lies = scene.objects[static_cast<std::size_t>(object)];
+    lies.T_W_object = candidate.T_W_O;
+    scene.opening = present_opening(cell_, scene.gripper);
+    (void)back_away(cell_, scene, options_.motion, [&] { record(journal_, StepBegun{"back away"}); });
+    const Eigen::Vector3d p_W = candidate.T_W_O.translation();
+    const std::vector<SurfaceElement> top{{p_W, Eigen::Vector3d::UnitZ(), 1.0}};
+    const SurveyView taken =
+        survey(cell_, scene, top, p_W, 1, options_.view_distance, options_.motion, journal_).front();
+    const Segmentation seen = detection::segment(taken.view.image, options_.modelling.segment);
+    int largest = 0;
+    candidate.p_W_seen.reset();
+    for (const SegmentedObject& one : seen.objects) {
+      const Eigen::Vector2d p_W_one = (taken.view.T_W_C * one.p_C_middle).head<2>();
+      const bool is_anothers =
+          std::any_of(candidates_.begin(), candidates_.end(),
+                      [&](const StoneCandidate& other) {
+                        return &other != &candidate && shows(one.cloud_C, taken.view.T_W_C, meshes_of(other));
+                      }) ||
+          std::any_of(others_.begin(), others_.end(), [&](const Obstacle& other) {
+            return shows(one.cloud_C, taken.view.T_W_C, other.pieces);
+          });
+      if (is_anothers || (p_W_one - candidate.T_W_O.translation().head<2>()).norm() > kRollsAway) continue;
+      candidate.seen_W.push_back(hull_to_table(one.cloud_C, taken.view.T_W_C));
+      if (one.pixels > largest) largest = one.pixels, candidate.p_W_seen = p_W_one;
+    }
+  }
+
+  /// A stone where it was seen last, in W.
+  static std::vector<Mesh> meshes_of(const StoneCandidate& stone) {
+    return stone.seen_W.empty() ? std::vector<Mesh>{stone.model.mesh} : stone.seen_W;
+  }
+  /// True for a cloud that mostly shows one of these.
+  static bool shows(const Cloud& cloud_C, const Pose& T_W_C, const std::vector<Mesh>& meshes_W) {
+    return std::any_of(meshes_W.begin(), meshes_W.end(),
+                       [&](const Mesh& part) { return share_on(cloud_C, T_W_C, part) > 0.5; });
+  }
+
+  /// Ways that bring much of what was not seen to light, those that show most first; of equal ones those that
+  /// set the stone down before those that let it fall over.
+  [[nodiscard]] std::vector<TurnTo> ways_to_show(const StoneCandidate& candidate) const {
+    const double unseen = unseen_area(candidate);
+    std::vector<std::pair<int, TurnTo>> ranked;
+    for (const TurnTo& way : ways_to_turn(candidate.stone, Eigen::Quaterniond(candidate.T_W_O.linear()))) {
+      const double gain = area_shown(candidate, way.R_W_O_rest.toRotationMatrix()) / unseen;
+      if (gain > kMinGain) ranked.emplace_back(static_cast<int>(std::floor(5.0 * gain)), way);
+    }
+    std::stable_sort(ranked.begin(), ranked.end(),
+                     [](const auto& a, const auto& b) { return a.first > b.first; });
+    std::vector<TurnTo> ways;
+    for (auto& [gain, way] : ranked) ways.push_back(way);
+    return ways;
+  }
+
+  Cell& cell_;
+  const PlanningScene& scene_;
+  std::vector<StoneCandidate>& candidates_;
+  const std::vector<Obstacle>& others_;  ///< objects that no stone was made of
+  const ModelFieldOptions& options_;
+  Journal* journal_;
+};
+
+}  // namespace
+
+Mesh hull_to_table(const Cloud& cloud_C, const Pose& T_W_C) {
+  Mesh points;
+  for (const auto& p : cloud_C.points) {
+    const Eigen::Vector3d p_W = T_W_C * p.cast<double>();
+    points.vertices.push_back(p_W);
+    points.vertices.emplace_back(p_W.x(), p_W.y(), 0.0);
+  }
+  return convex_hull(points);
+}
+
+void turn_stone(Cell& cell, const PlanningScene& scene, std::vector<StoneCandidate>& candidates,
+                std::size_t stone, const std::vector<Obstacle>& others, const ModelFieldOptions& options,
+                Journal* journal) {
+  Turner(cell, scene, candidates, others, options, journal)
+      .turn(candidates[stone], static_cast<int>(cell.layout.obstacles.size() + stone));
+}
+
+}  // namespace stonestack::stacking
