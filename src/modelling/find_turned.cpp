@@ -32,11 +32,12 @@ constexpr double kMinConfirmed = 0.65;  // of the model's seen surface that face
 constexpr double kFacing = 0.4;         // cosine
 constexpr double kInFront = 0.005;      // m: a view sees through what would lie so much before what it shows
 constexpr double kBelowTable = 0.004;   // m
-constexpr double kTurns[] = {0.0, 0.2, -0.2};   // rad of the near starts, about level axes
-constexpr double kYaws[] = {0.0, 0.35, -0.35};  // about the vertical
-constexpr int kDirections = 48;                 // of the many starts: which side is up
-constexpr int kManyYaws = 8;                    // turns about the vertical of each
-constexpr std::size_t kFollowed = 16;           // of the many starts
+constexpr double kTurns[] = {0.0, 0.2, -0.2};           // rad of the near starts, about level axes
+constexpr double kYaws[] = {0.0, 0.35, -0.35};          // about the vertical
+constexpr int kDirections = 48;                         // of the many starts: which side is up
+constexpr int kManyYaws = 8;                            // turns about the vertical of each
+constexpr std::size_t kFollowed = 16;                   // of the many starts
+constexpr double kSameStart = 0.002, kSameTurn = 0.03;  // m, rad: between starts of which one is followed
 
 struct SeenPoint {
   Eigen::Vector3d p_W, n_W;
@@ -194,7 +195,7 @@ struct Witness {
   }
 };
 
-/// What views tell of the seen part of a model in that pose.
+/// Evidence of views for the seen part of a model in that pose.
 Evidence evidence_for(const SeenSurface& surface, const Witness& witness, const Pose& T_W_O, double within,
                       std::size_t stride) {
   Evidence evidence;
@@ -203,7 +204,7 @@ Evidence evidence_for(const SeenSurface& surface, const Witness& witness, const 
   return evidence;
 }
 
-/// What the views of which a model was made tell of what is seen of the object now, if that pose is right.
+/// Evidence of the views of which a model was made for what is seen of the object now, if that pose is right.
 Evidence evidence_before(const std::vector<SeenPoint>& points, const Witness& witness,
                          const Pose& T_W_O_before, const Pose& T_W_O) {
   const Pose T_before_now = T_W_O_before * T_W_O.inverse();
@@ -268,6 +269,28 @@ std::vector<Pose> near_starts(const Pose& T_W_O, const Eigen::Vector3d& p_W_midd
   return starts;
 }
 
+/// Poses without those that are nearly one before them, seen at `p_W_middle`.
+std::vector<Pose> distinct(const std::vector<Pose>& poses, const Eigen::Vector3d& p_W_middle) {
+  std::vector<Pose> kept;
+  for (const Pose& T_W_O : poses)
+    if (std::none_of(kept.begin(), kept.end(), [&](const Pose& other) {
+          const Pose apart = T_W_O * other.inverse();
+          return (apart * p_W_middle - p_W_middle).norm() < kSameStart &&
+                 Eigen::AngleAxisd(apart.linear()).angle() < kSameTurn;
+        }))
+      kept.push_back(T_W_O);
+  return kept;
+}
+
+/// A pose, and where starts about it lead to.
+std::vector<Pose> near_poses(const SeenSurface& surface, const std::vector<SeenPoint>& points,
+                             const Pose& T_W_O, const Eigen::Vector3d& p_W_middle) {
+  std::vector<Pose> reached{T_W_O};
+  for (Pose start : near_starts(T_W_O, p_W_middle))
+    if (follow(surface, points, kCoarseSteps, kWidestTurnedGate, kCoarseEnd, start)) reached.push_back(start);
+  return distinct(reached, p_W_middle);
+}
+
 /// The most promising of many poses all around: a stone that toppled may lie on any side.
 std::vector<Pose> far_starts(const SeenSurface& surface, const Witness& witness,
                              const std::vector<SeenPoint>& points, const Eigen::Vector3d& p_W_middle) {
@@ -296,7 +319,7 @@ std::vector<Pose> far_starts(const SeenSurface& surface, const Witness& witness,
   std::vector<Pose> best;
   for (std::size_t k = 0; k < kFollowed; ++k)
     if (starts[k].share > 0) best.push_back(starts[k].T_W_O);
-  return best;
+  return distinct(best, p_W_middle);
 }
 
 }  // namespace
@@ -309,13 +332,13 @@ std::optional<FoundObject> find_turned(const ObjectModel& model, std::span<const
   const SeenSurface surface(model);
   const Eigen::Vector3d p_W_middle = middle_of(points);
   BestPose best(surface, made_of, *as_meant.scene, points);
-  for (const Pose& start : near_starts(as_meant.T_W_O, p_W_middle)) {
+  const std::vector<SeenPoint> coarse = seen_points(as_meant, kCoarseSamples);
+  for (const Pose& start : near_poses(surface, coarse, as_meant.T_W_O, p_W_middle)) {
     throw_if_interrupted();
     best.try_from(start);
   }
   if (best.best()) return best.best();
-  for (const Pose& start :
-       far_starts(surface, best.now(), seen_points(as_meant, kCoarseSamples), p_W_middle)) {
+  for (const Pose& start : far_starts(surface, best.now(), coarse, p_W_middle)) {
     throw_if_interrupted();
     best.try_from(start);
   }

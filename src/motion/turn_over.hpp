@@ -26,6 +26,7 @@ struct TurnTo {
 /// A plan that turns a stone over.
 struct TurnPlan {
   PickAndPlacePlan plan;
+  TurnTo way;                     ///< that of those that were asked for
   Pose T_W_O = Pose::Identity();  ///< where it should come to lie
 };
 

@@ -12,6 +12,9 @@ inline constexpr double kFieldViewHeight = 0.05;
 
 // Holding a stone
 /// Share of the stone's weight that the wrist must feel after the lift. Design choice.
+// kg/m^3 of what may be stone: tuff has 1500, basalt 3000; a volume of which a side was guessed errs by a
+// half at most.
+inline constexpr double kLightStone = 1000.0, kHeavyStone = 6000.0;
 inline constexpr double kMinHeldShare = 0.6;
 /// Horizontal distance between where the load pulls at the wrist and where it should, m. Design choice.
 inline constexpr double kMaxSwing = 0.020;

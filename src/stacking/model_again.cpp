@@ -21,29 +21,61 @@ constexpr double kMinConfidence = 0.5;   // of an object, that it is one and who
 constexpr double kOtherAttitude = 0.35;  // rad between two attitudes on different sides
 constexpr double kSameObject = 0.12;     // m between where an object is expected and seen
 
-/// Models a stone from the second survey alone where it shares too little with what was seen of it before: it
-/// was turned upside down. Its other side is lost, but it can be found and picked as it lies.
-void model_as_it_lies(const AlignedScene& second, const CellLayout& layout, const ModelFieldOptions& options,
+/// Upwards while it lay like that, in the frame of the model.
+Eigen::Vector3d up_of(const LyingObject& lying) {
+  return lying.T_W_O.linear().transpose() * Eigen::Vector3d::UnitZ();
+}
+
+bool same_attitude(const LyingObject& a, const LyingObject& b) {
+  return up_of(a).dot(up_of(b)) > std::cos(kOtherAttitude);
+}
+
+/// Models a stone by what was seen of it as `made_of`.
+/// @throws FileError where that is no stone; then it is as before
+void become(StoneCandidate& candidate, const std::vector<LyingObject>& made_of,
+            const ModelFieldOptions& options) {
+  ObjectModel model = modelling::model_object(made_of, options.modelling);
+  std::vector<Eigen::Vector3d> up;
+  for (const LyingObject& lying : made_of)
+    if (std::none_of(&made_of.front(), &lying,
+                     [&](const LyingObject& before) { return same_attitude(before, lying); }))
+      up.push_back(up_of(lying));
+  candidate.stone = stone_of_model(model, candidate.made, options, up);
+  candidate.made.turned = up.size() > 1;
+  candidate.model = std::move(model);
+  candidate.made_of = made_of;
+  describe_model(candidate);
+}
+
+/// Notes where a stone lies, as it was seen.
+void lies(StoneCandidate& candidate, const Pose& T_W_model) {
+  candidate.T_W_O = T_W_model * candidate.stone.T_O_file.inverse();
+  candidate.moved = false;
+  candidate.seen_W.clear();
+  candidate.p_W_seen.reset();
+}
+
+/// Models a stone from the last survey alone where it shares too little with what was seen of it before: it
+/// was turned upside down. Its other side is lost for now, but it can be found and picked as it lies.
+void model_as_it_lies(const AlignedScene& last, const CellLayout& layout, const ModelFieldOptions& options,
                       StoneCandidate& candidate, std::vector<bool>& taken) {
   candidate.made.note = "not recognised after it was turned: modelled from one side";
   int object = -1;
   double nearest = kSameObject;
   for (int k = 0; k < static_cast<int>(taken.size()); ++k) {
-    const double off = (middle_of_object(second, k).head<2>() - place_on_table(candidate)).norm();
-    if (!taken[static_cast<std::size_t>(k)] && off < nearest && unfit_object(second, k, layout).empty())
+    const double off = (middle_of_object(last, k).head<2>() - place_on_table(candidate)).norm();
+    if (!taken[static_cast<std::size_t>(k)] && off < nearest && unfit_object(last, k, layout).empty())
       nearest = off, object = k;
   }
-  if (candidate.moved && object >= 0) {
-    const LyingObject lying{&second, object};
-    ObjectModel alone = modelling::model_object({&lying, 1}, options.modelling);
+  if (object >= 0) {
+    const std::vector<LyingObject> before = candidate.made_of;
     try {
-      candidate.stone = stone_of_model(alone, candidate.made, options);
-      candidate.model = std::move(alone);
-      candidate.T_W_O = candidate.stone.T_O_file.inverse();
-      candidate.moved = false;
-      candidate.of_second = true;
+      become(candidate, {{&last, object, Pose::Identity()}}, options);
+      lies(candidate, Pose::Identity());
+      candidate.apart.insert(candidate.apart.end(), before.begin(), before.end());
+      candidate.up_tried.clear();
+      candidate.T_model_T_failed.clear();
       taken[static_cast<std::size_t>(object)] = true;
-      describe_model(candidate);
       return;
     } catch (const FileError& problem) {
       log_debug(concat(candidate.stone.name, ", as it lies: ", problem.what()));
@@ -55,60 +87,94 @@ void model_as_it_lies(const AlignedScene& second, const CellLayout& layout, cons
   candidate.T_W_O = T_W_model_before * candidate.stone.T_O_file.inverse();
 }
 
-/// Models a stone from both surveys; false, and the stone as before, where both together are no stone: they
-/// do not show the same one, or not in that pose.
-bool join(const AlignedScene& first, const AlignedScene& second, int object, const Pose& T_W_O,
-          const ModelFieldOptions& options, StoneCandidate& candidate) {
-  const LyingObject lying[] = {{&first, candidate.object, Pose::Identity()}, {&second, object, T_W_O}};
-  ObjectModel both = modelling::model_object(lying, options.modelling);
+/// Models a stone from what was seen of it before and as that object of the last survey; false, and the stone
+/// as before, where both together are no stone: they do not show the same one, or not in that pose.
+bool join(const LyingObject& seen, const ModelFieldOptions& options, StoneCandidate& candidate) {
+  const bool fell_back = candidate.let_go && same_attitude(candidate.made_of.back(), seen);
+  std::vector<LyingObject> both = candidate.made_of;
+  both.push_back(seen);
   try {
-    candidate.stone =
-        stone_of_model(both, candidate.made, options,
-                       {Eigen::Vector3d::UnitZ(), T_W_O.linear().transpose() * Eigen::Vector3d::UnitZ()});
+    become(candidate, both, options);
   } catch (const FileError& problem) {
-    log_debug(concat(candidate.stone.name, ", of both surveys: ", problem.what()));
+    log_debug(concat(candidate.stone.name, ", of all surveys: ", problem.what()));
     return false;
   }
-  candidate.model = std::move(both);
-  candidate.made.turned = (T_W_O.linear() * Eigen::Vector3d::UnitZ()).z() < std::cos(kOtherAttitude);
-  if (candidate.let_go && !candidate.made.turned)
-    candidate.made.note = "fell back on the side on which it lay";
-  candidate.T_W_O = T_W_O * candidate.stone.T_O_file.inverse();
-  candidate.moved = false;
+  lies(candidate, seen.T_W_O);
   candidate.found_again = true;
-  describe_model(candidate);
+  if (candidate.made.turned)
+    candidate.made.note.clear();
+  else if (fell_back)
+    candidate.made.note = "fell back on the side on which it lay";
   return true;
 }
 
-/// A candidate that may be an object of the second survey.
+/// Joins what was seen of a stone's other side before, now that more of it is known.
+void join_apart(const ModelFieldOptions& options, StoneCandidate& candidate) {
+  for (auto lying = candidate.apart.begin(); lying != candidate.apart.end();) {
+    const auto found = modelling::find_turned(candidate.model, candidate.made_of, *lying);
+    if (!found) {
+      ++lying;
+      continue;
+    }
+    const Pose T_W_model = candidate.T_W_O * candidate.stone.T_O_file;
+    std::vector<LyingObject> all = candidate.made_of;
+    all.insert(all.end() - 1, {lying->scene, lying->object, found->T_W_O});
+    lying = candidate.apart.erase(lying);
+    try {
+      become(candidate, all, options);
+      candidate.T_W_O = T_W_model * candidate.stone.T_O_file.inverse();
+      candidate.made.note.clear();
+    } catch (const FileError& problem) {
+      log_debug(concat(candidate.stone.name, ", with its other side: ", problem.what()));
+    }
+  }
+}
+
+/// A candidate that may be an object of the last survey.
 struct Match {
   std::size_t candidate = 0;
-  int object = 0;
-  modelling::FoundObject found;
+  LyingObject seen;
+  double confirmed = 0.0;
 };
 
 /// All objects near where a candidate should lie that may be it.
-std::vector<Match> matches_of(const AlignedScene& first, const AlignedScene& second,
-                              const std::vector<StoneCandidate>& candidates, const std::vector<bool>& taken) {
+std::vector<Match> matches_of(const AlignedScene& last, const std::vector<StoneCandidate>& candidates,
+                              const std::vector<bool>& taken) {
   std::vector<Match> matches;
   for (std::size_t k = 0; k < candidates.size(); ++k) {
     const StoneCandidate& candidate = candidates[k];
-    if (candidate.made.known) continue;
+    if (!is_looked_for(candidate)) continue;
     const Pose T_W_model = candidate.T_W_O * candidate.stone.T_O_file;
-    const LyingObject before{&first, candidate.object, Pose::Identity()};
     for (int object = 0; object < static_cast<int>(taken.size()); ++object) {
       throw_if_interrupted();
       if (taken[static_cast<std::size_t>(object)] ||
-          (middle_of_object(second, object).head<2>() - place_on_table(candidate)).norm() > kSameObject)
+          (middle_of_object(last, object).head<2>() - place_on_table(candidate)).norm() > kSameObject)
         continue;
-      const auto found = modelling::find_turned(candidate.model, {&before, 1}, {&second, object, T_W_model});
+      const auto found =
+          modelling::find_turned(candidate.model, candidate.made_of, {&last, object, T_W_model});
       if (!found) continue;
       log_debug(concat(candidate.stone.name, ": may be object ", object + 1, ", agreement ", found->agreement,
                        ", apart ", found->apart * 1e3, " mm, ", found->confirmed, " places confirmed"));
-      matches.push_back({k, object, *found});
+      matches.push_back({k, {&last, object, found->T_W_O}, found->confirmed});
     }
   }
+  std::stable_sort(matches.begin(), matches.end(),
+                   [](const Match& a, const Match& b) { return a.confirmed > b.confirmed; });
   return matches;
+}
+
+/// Objects that show a stone which is not looked for.
+std::vector<bool> taken_objects(const AlignedScene& last, const std::vector<StoneCandidate>& candidates) {
+  constexpr double kShows = 0.5;  // of what is seen
+  std::vector<bool> taken(last.segmentation.objects.size(), false);
+  for (const StoneCandidate& candidate : candidates) {
+    if (is_looked_for(candidate)) continue;
+    const Mesh lies_W = transformed(candidate.stone.mesh, candidate.T_W_O);
+    for (std::size_t object = 0; object < taken.size(); ++object)
+      if (share_on(last.segmentation.objects[object].cloud_C, last.views.front().T_W_C, lies_W) > kShows)
+        taken[object] = true;
+  }
+  return taken;
 }
 
 /// Are the vertices of the scan those of the model, one after the other? A repaired scan has others.
@@ -121,6 +187,10 @@ bool same_vertices(const Stone& stone, const Mesh& model) {
 }
 
 }  // namespace
+
+bool is_looked_for(const StoneCandidate& candidate) {
+  return !candidate.made.known && (candidate.moved || candidate.made_of.size() == 1);
+}
 
 Eigen::Vector2d place_on_table(const StoneCandidate& candidate) {
   return candidate.p_W_seen.value_or(candidate.T_W_O.translation().head<2>());
@@ -189,23 +259,22 @@ void describe_model(StoneCandidate& candidate) {
   candidate.made.sigma = quantile(candidate.model.sigma, 0.5);
 }
 
-void model_again(const AlignedScene& first, const AlignedScene& second, const CellLayout& layout,
-                 const ModelFieldOptions& options, std::vector<StoneCandidate>& candidates) {
-  std::vector<bool> taken(second.segmentation.objects.size(), false);
-  for (int object = 0; object < static_cast<int>(taken.size()); ++object)
-    taken[static_cast<std::size_t>(object)] = is_of_known(second, object, candidates);
-  std::vector<Match> matches = matches_of(first, second, candidates, taken);
-  std::stable_sort(matches.begin(), matches.end(),
-                   [](const Match& a, const Match& b) { return a.found.confirmed > b.found.confirmed; });
-  for (const Match& match : matches) {
+void model_again(const AlignedScene& last, const CellLayout& layout, const ModelFieldOptions& options,
+                 std::vector<StoneCandidate>& candidates) {
+  std::vector<bool> taken = taken_objects(last, candidates);
+  for (StoneCandidate& candidate : candidates) candidate.found_again = false;
+  for (const Match& match : matches_of(last, candidates, taken)) {
     StoneCandidate& candidate = candidates[match.candidate];
-    const auto object = static_cast<std::size_t>(match.object);
-    if (candidate.found_again || taken[object]) continue;
-    if (join(first, second, match.object, match.found.T_W_O, options, candidate)) taken[object] = true;
+    const auto object = static_cast<std::size_t>(match.seen.object);
+    if (!candidate.found_again && !taken[object] && join(match.seen, options, candidate))
+      taken[object] = true;
   }
-  for (StoneCandidate& candidate : candidates)
-    if (!candidate.found_again && !candidate.made.known)
-      model_as_it_lies(second, layout, options, candidate, taken);
+  for (StoneCandidate& candidate : candidates) {
+    throw_if_interrupted();
+    const bool lost = candidate.moved && !candidate.found_again;
+    if (lost) model_as_it_lies(last, layout, options, candidate, taken);
+    if (!candidate.moved && (lost || candidate.found_again)) join_apart(options, candidate);
+  }
 }
 
 }  // namespace stonestack::stacking

@@ -10,22 +10,26 @@
 /// Private to stacking/: a stone that nobody scanned, until its model is done.
 namespace stonestack::stacking {
 
-/// One stone while it is being modelled. O of the model is W of the first survey. A known stone is among
-/// them as it lies.
+/// One stone while it is being modelled. A known stone is among them as it lies.
 struct StoneCandidate {
   int object = 0;  ///< in the first scene; -1: of a known stone
   modelling::ObjectModel model;
+  std::vector<modelling::LyingObject> made_of;  ///< what `model` shows; O of it is W of the first of these
+  std::vector<modelling::LyingObject> apart;    ///< seen of it, too, and not joined with these
   Stone stone;
   Pose T_W_O;                               ///< of `stone`: where it is, or should have come to lie
   bool moved = false;                       ///< since it was recognised last
-  bool found_again = false;                 ///< in the second survey
-  bool of_second = false;                   ///< `model` shows the second survey alone: O of it is W of that
+  bool found_again = false;                 ///< in the survey after that
   bool let_go = false;                      ///< it was set down otherwise than it lay, if all went as planned
+  std::vector<Eigen::Vector3d> up_tried;    ///< frame of the model: upwards where it was let go of
+  std::vector<Pose> T_model_T_failed;       ///< grasps that did not hold it
   std::optional<Eigen::Vector2d> p_W_seen;  ///< middle of what was seen of it once it was moved
   std::vector<Mesh> seen_W;  ///< hulls of what was seen of it, down to the table, once it was moved
   ModelledStone made;
 };
 
+/// Should the next survey show more of it? It was moved, or one survey shows it so far.
+[[nodiscard]] bool is_looked_for(const StoneCandidate& candidate);
 /// Where it was seen last, or should lie, seen from above.
 [[nodiscard]] Eigen::Vector2d place_on_table(const StoneCandidate& candidate);
 /// Middle of what a scene shows of an object, in W [m].
@@ -49,11 +53,11 @@ struct StoneCandidate {
                                        Eigen::Vector3d::UnitZ()});
 /// Writes into `made` how much of the candidate was seen, and how well.
 void describe_model(StoneCandidate& candidate);
-/// Models the stones anew with what a second survey shows of them once they were moved: joined with what was
-/// seen before where both share enough; of the second survey alone, as the stone lies, where they do not.
-/// @param first the scene that `candidates` name objects of
-void model_again(const modelling::AlignedScene& first, const modelling::AlignedScene& second,
-                 const CellLayout& layout, const ModelFieldOptions& options,
-                 std::vector<StoneCandidate>& candidates);
+/// Models the stones anew with what one more survey shows of those that were moved, or seen in one survey
+/// only: joined with what was seen of them before where both share enough; of the last survey alone, as the
+/// stone lies, where they do not, until a later one shows how both belong together.
+/// @param last lasts as long as the candidates
+void model_again(const modelling::AlignedScene& last, const CellLayout& layout,
+                 const ModelFieldOptions& options, std::vector<StoneCandidate>& candidates);
 
 }  // namespace stonestack::stacking

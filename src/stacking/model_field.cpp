@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <deque>
 #include <utility>
 
 #include "core/constants.hpp"
 #include "motion/collision.hpp"
 #include "stacking/arrangement.hpp"
 #include "stacking/back_away.hpp"
+#include "stacking/constants.hpp"
 #include "stacking/model_again.hpp"
 #include "stacking/mount_correction.hpp"
 #include "stacking/record.hpp"
@@ -28,10 +30,9 @@ using modelling::LyingObject;
 using modelling::ObjectModel;
 
 constexpr double kFieldHeight = 0.04;      // m: where the camera points at the field
+constexpr double kSeenEnough = 0.62;       // of a surface: both sides were, and what both hide is left
 constexpr double kLeavingDistance = 0.62;  // m from the camera to the field
-// kg/m^3: tuff has 1500, basalt 3000; a volume of which a side was guessed errs by a half at most.
-constexpr double kLightStone = 1000.0, kHeavyStone = 6000.0;
-constexpr double kCertainlyKnown = 0.6;  // of a known stone and its pose: likelier than all else together
+constexpr double kCertainlyKnown = 0.6;    // of a known stone and its pose: likelier than all else together
 
 /// Corrects the camera's mount and the table's height by views that agree, then moves these to where arm and
 /// mount say that they are, all told.
@@ -147,6 +148,7 @@ std::vector<StoneCandidate> model_first(const AlignedScene& scene, const CellLay
       candidate.object = object;
       const LyingObject lying{&scene, object};
       candidate.model = modelling::model_object({&lying, 1}, options.modelling);
+      candidate.made_of = {lying};
       candidate.made.name = modelled_name(names_taken(candidates, options));
       try {
         candidate.stone = stone_of_model(candidate.model, candidate.made, options);
@@ -203,11 +205,11 @@ PlanningScene scene_with(const CellLayout& layout, const RobotModel& robot,
   return scene;
 }
 
-/// Unseen surface of all stones where they lie now.
+/// Unseen surface of all stones that were moved, or seen in one survey only, where they lie now.
 std::vector<SurfaceElement> unseen_surface(const std::vector<StoneCandidate>& candidates) {
   std::vector<SurfaceElement> elements;
   for (const StoneCandidate& candidate : candidates) {
-    if (candidate.made.known) continue;
+    if (!is_looked_for(candidate)) continue;
     const Mesh& mesh = candidate.model.mesh;
     const Pose T_W_model = candidate.T_W_O * candidate.stone.T_O_file;
     for (const auto& face : mesh.faces) {
@@ -228,6 +230,7 @@ std::vector<SurfaceElement> unseen_surface(const std::vector<StoneCandidate>& ca
 std::string unlike_stone(const StoneCandidate& candidate) {
   if (!candidate.made.mass) return {};
   const double density = *candidate.made.mass / volume(candidate.stone.scan);
+  log_debug(concat(candidate.made.name, " weighs ", *candidate.made.mass, " kg, ", density, " kg/m^3"));
   if (density > kLightStone && density < kHeavyStone) return {};
   return concat("weighs ", std::round(1e3 * *candidate.made.mass) / 1e3, " kg, ", std::lround(density),
                 " kg/m^3: no stone");
@@ -264,28 +267,37 @@ void leave_field(Cell& cell, PlanningScene scene, const Eigen::Vector3d& p_W_fie
                       "clear the cell and start again");
 }
 
-/// Turns every stone over, looks again, and completes the models; then the arm leaves the field.
-void see_other_sides(Cell& here, const RobotModel& robot, const AlignedScene& first,
+/// Is more of it to be found out?
+bool is_worth_turning(const StoneCandidate& candidate) {
+  const bool wanting = candidate.made.seen_share < kSeenEnough || !candidate.made.mass;
+  return wanting && !candidate.made.known && !candidate.moved && unlike_stone(candidate).empty();
+}
+
+/// Turns stones over of which much is unseen, looks again, and completes the models, until nothing is left to
+/// turn; then the arm leaves the field.
+void see_other_sides(Cell& here, const RobotModel& robot, std::deque<AlignedScene>& scenes,
                      const Eigen::Vector3d& p_W_field, const ModelFieldOptions& options, Journal* journal,
                      std::vector<StoneCandidate>& candidates, ModelledField& field) {
-  const std::vector<Obstacle> others = obstacles_of(first, candidates);
-  const bool all_known = std::all_of(candidates.begin(), candidates.end(),
-                                     [](const StoneCandidate& candidate) { return candidate.made.known; });
-  if (options.turned_views > 0 && !all_known) {
+  const std::vector<Obstacle> others = obstacles_of(scenes.front(), candidates);
+  for (int turn = 0; turn < options.turns && options.turned_views > 0; ++turn) {
+    bool turned = false;
     for (std::size_t k = 0; k < candidates.size(); ++k) {
-      if (candidates[k].made.known) continue;
-      const PlanningScene scene = scene_with(here.layout, robot, candidates, others);
-      turn_stone(here, scene, candidates, k, others, options, journal);
+      candidates[k].let_go = false;
+      if (!is_worth_turning(candidates[k])) continue;
+      turn_stone(here, scene_with(here.layout, robot, candidates, others), candidates, k, others, options,
+                 journal);
+      turned |= candidates[k].moved;
     }
+    if (!turned) break;
     PlanningScene scene = scene_with(here.layout, robot, candidates, others);
     scene.objects.push_back(unseen_site(here.layout));
     scene.opening = present_opening(here, scene.gripper);
     (void)back_away(here, scene, options.motion, [&] { record(journal, StepBegun{"back away"}); });
-    const auto second_survey = survey(here, scene, unseen_surface(candidates), p_W_field,
-                                      options.turned_views, options.view_distance, options.motion, journal);
-    field.views += static_cast<int>(second_survey.size());
-    const AlignedScene second = align(second_survey, options, here.layout);
-    model_again(first, second, here.layout, options, candidates);
+    const auto taken = survey(here, scene, unseen_surface(candidates), p_W_field, options.turned_views,
+                              options.view_distance, options.motion, journal);
+    field.views += static_cast<int>(taken.size());
+    scenes.push_back(align(taken, options, here.layout));
+    model_again(scenes.back(), here.layout, options, candidates);
   }
   record(journal, StepBegun{"leave the field"});
   leave_field(here, scene_with(here.layout, robot, candidates, others), p_W_field, options);
@@ -317,7 +329,9 @@ ModelledField model_field(Cell& cell, const RobotModel& robot, const ModelFieldO
   unknown.objects.push_back(unseen_site(here.layout));
   const auto first_survey = survey(here, unknown, dome_over(p_W_field), p_W_field, options.first_views,
                                    options.view_distance, options.motion, journal);
-  const AlignedScene first = align(first_survey, options, here.layout);
+  std::deque<AlignedScene> scenes;  // that candidates are made of
+  scenes.push_back(align(first_survey, options, here.layout));
+  const AlignedScene& first = scenes.front();
   field.views = static_cast<int>(first_survey.size());
   field.apart_before = first.apart_before;
   field.apart_after = first.apart_after;
@@ -328,7 +342,7 @@ ModelledField model_field(Cell& cell, const RobotModel& robot, const ModelFieldO
                   known > 0 ? concat(" and ", known, " recognised") : std::string(), " from ", field.views,
                   " views"));
   try {
-    see_other_sides(here, robot, first, p_W_field, options, journal, candidates, field);
+    see_other_sides(here, robot, scenes, p_W_field, options, journal, candidates, field);
   } catch (const DeviceError& problem) {
     field.stopped = problem.what();
   } catch (const Interrupted&) {
@@ -339,10 +353,9 @@ ModelledField model_field(Cell& cell, const RobotModel& robot, const ModelFieldO
       field.left_out.push_back(candidate.made.name + " " + why);
       continue;
     }
-    if (candidate.made.known)
-      candidate.made.T_W_O_first = candidate.T_W_O;
-    else if (!candidate.of_second)
-      candidate.made.T_W_O_first = candidate.stone.T_O_file.inverse();
+    if (candidate.made.known) candidate.made.T_W_O_first = candidate.T_W_O;
+    for (const LyingObject& lay : candidate.made_of)
+      if (lay.scene == &first) candidate.made.T_W_O_first = lay.T_W_O * candidate.stone.T_O_file.inverse();
     if (!candidate.moved)
       candidate.made.T_W_O = candidate.T_W_O;
     else if (candidate.made.note.empty())

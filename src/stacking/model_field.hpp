@@ -24,7 +24,8 @@ struct ModelFieldOptions {
   const Catalogue* known = nullptr;  ///< stones of which some may lie there; null: none
   DetectionOptions detection;        ///< how these are found
   int first_views = 4;               ///< of the stones as they lie
-  int turned_views = 4;              ///< once they were turned; 0: none is turned
+  int turned_views = 4;              ///< each time that some were turned; 0: none is turned
+  int turns = 3;                     ///< of a stone, at most
   double view_distance = 0.55;       ///< [m]
 };
 
@@ -32,7 +33,7 @@ struct ModelFieldOptions {
 struct ModelledStone {
   std::string name;
   bool known = false;                         ///< before: it was recognised, not modelled
-  bool turned = false;                        ///< seen in two poses
+  bool turned = false;                        ///< seen on two of its sides
   std::string note;                           ///< why it was not turned, or not found again; empty otherwise
   double seen_share = 0.0;                    ///< of its surface
   double sigma = 0.0;                         ///< median standard deviation of its surface [m]
@@ -63,10 +64,11 @@ struct ModelledField {
 };
 
 /// Looks at the field from several sides, parts and models what lies there, sets each stone down on another
-/// of its sides and looks again, so that its underside is seen, too. Only what stands free, whole and within
-/// what the gripper can hold becomes a stone; one of which both looks share too little to be joined is
-/// modelled as it lies in the end. Stones that are known are recognised and left as they lie. Nothing else is
-/// moved that was not modelled. Once there are models, a stop of the arm or an interruption ends it with
+/// of its sides and looks again, so that its underside is seen, too; a stone of which much is unseen after
+/// that is turned once more. One that cannot be turned is lifted and weighed. Only what stands free, whole
+/// and within what the gripper can hold becomes a stone; one of which two looks share too little to be joined
+/// is modelled as it lies in the end. Stones that are known are recognised and left as they lie. Nothing else
+/// is moved that was not modelled. Once there are models, a stop of the arm or an interruption ends it with
 /// these.
 /// @throws DeviceError when no view is reached or the arm stops before; Interrupted before.
 [[nodiscard]] ModelledField model_field(Cell& cell, const RobotModel& robot,

@@ -18,6 +18,7 @@ namespace stonestack::stacking {
 namespace {
 
 constexpr double kMinGain = 0.3;     // of the unseen area, that a stone is turned for
+constexpr double kSameWay = 0.3;     // rad between attitudes in which a stone is let go of
 constexpr double kVisible = -0.25;   // z of a normal: flatter undersides are seen by no camera
 constexpr double kRollsAway = 0.30;  // m from where a stone was let go of to where it may have rolled
 
@@ -58,29 +59,45 @@ class Turner {
     task.object = object;
     task.T_W_O_pick = task.T_W_O_place = candidate.T_W_O;
     task.q_start = cell_.arm.state().q;
+    for (const Pose& T_model_T : candidate.T_model_T_failed)
+      task.avoid.push_back(candidate.stone.T_O_file * T_model_T);
     const auto plan = plan_turn(scene_, task, ways_to_show(candidate), options_.motion);
-    if (!plan) {
-      candidate.made.note = "no grasp sets it down on another side";
-      log_info(candidate.stone.name + ": " + candidate.made.note);
-      return;
+    if (plan) {
+      log_info("turning " + candidate.stone.name + " over");
+      candidate.let_go = true;
+      carry_out(plan->plan, candidate, plan->T_W_O);
+      if (candidate.let_go) candidate.up_tried.push_back(up_in_model(candidate, plan->way));
+    } else {
+      if (!candidate.made.turned) candidate.made.note = "no grasp sets it down on another side";
+      log_info(candidate.stone.name + ": no grasp sets it down on another side");
+      if (candidate.made.mass) return;
+      const PickAndPlacePlan lift = plan_pick_and_place(scene_, task, options_.motion);
+      if (lift.status != PickAndPlacePlan::Status::kPlanned) return;
+      log_info("weighing " + candidate.stone.name);
+      carry_out(lift, candidate, candidate.T_W_O);
     }
-    log_info("turning " + candidate.stone.name + " over");
-    candidate.moved = true;  // also where the arm stops on the way
-    const ExecutionResult done =
-        execute(plan->plan, candidate.stone, scene_, cell_, options_.motion, journal_, LetGo::kTippedOver);
-    if (done.status == ExecutionResult::Status::kStopped)
-      throw DeviceError("arm", "stopped while it turned " + candidate.stone.name + ": " + done.reason,
-                        "clear the cell and start again");
-    candidate.let_go = done.status == ExecutionResult::Status::kReleased;
-    if (done.weight) candidate.made.mass = *done.weight / kGravity;
-    if (candidate.let_go)
-      candidate.T_W_O = plan->T_W_O;
-    else
-      candidate.made.note = done.reason;
     look_where_it_lies(candidate, object);
   }
 
  private:
+  /// Moves a stone, which then should lie there.
+  void carry_out(const PickAndPlacePlan& plan, StoneCandidate& candidate, const Pose& T_W_O) {
+    candidate.moved = true;  // also where the arm stops on the way
+    const ExecutionResult done =
+        execute(plan, candidate.stone, scene_, cell_, options_.motion, journal_, LetGo::kTippedOver);
+    if (done.status == ExecutionResult::Status::kStopped)
+      throw DeviceError("arm", "stopped while it turned " + candidate.stone.name + ": " + done.reason,
+                        "clear the cell and start again");
+    if (done.weight) candidate.made.mass = *done.weight / kGravity;
+    if (done.status == ExecutionResult::Status::kReleased) {
+      candidate.T_W_O = T_W_O;
+      return;
+    }
+    candidate.let_go = false;
+    candidate.T_model_T_failed.push_back(candidate.stone.T_O_file.inverse() * plan.T_O_T);
+    if (!candidate.made.turned) candidate.made.note = done.reason;
+  }
+
   /// One view from above of a stone that may lie otherwise than planned: from then on it is what is seen of
   /// it.
   void look_where_it_lies(StoneCandidate& candidate, int object) {
@@ -112,9 +129,14 @@ class Turner {
     }
   }
 
+  /// Upwards where a stone is let go of, in the frame of the model.
+  static Eigen::Vector3d up_in_model(const StoneCandidate& candidate, const TurnTo& way) {
+    return candidate.stone.T_O_file.linear().transpose() * (way.R_W_O.conjugate() * Eigen::Vector3d::UnitZ());
+  }
   /// A stone where it was seen last, in W.
   static std::vector<Mesh> meshes_of(const StoneCandidate& stone) {
-    return stone.seen_W.empty() ? std::vector<Mesh>{stone.model.mesh} : stone.seen_W;
+    return stone.seen_W.empty() ? std::vector<Mesh>{transformed(stone.stone.mesh, stone.T_W_O)}
+                                : stone.seen_W;
   }
   /// True for a cloud that mostly shows one of these.
   static bool shows(const Cloud& cloud_C, const Pose& T_W_C, const std::vector<Mesh>& meshes_W) {
@@ -123,11 +145,15 @@ class Turner {
   }
 
   /// Ways that bring much of what was not seen to light, those that show most first; of equal ones those that
-  /// set the stone down before those that let it fall over.
+  /// set the stone down before those that let it fall over. None that was tried before.
   [[nodiscard]] std::vector<TurnTo> ways_to_show(const StoneCandidate& candidate) const {
     const double unseen = unseen_area(candidate);
     std::vector<std::pair<int, TurnTo>> ranked;
     for (const TurnTo& way : ways_to_turn(candidate.stone, Eigen::Quaterniond(candidate.T_W_O.linear()))) {
+      const Eigen::Vector3d up = up_in_model(candidate, way);
+      if (std::any_of(candidate.up_tried.begin(), candidate.up_tried.end(),
+                      [&](const Eigen::Vector3d& tried) { return tried.dot(up) > std::cos(kSameWay); }))
+        continue;
       const double gain = area_shown(candidate, way.R_W_O_rest.toRotationMatrix()) / unseen;
       if (gain > kMinGain) ranked.emplace_back(static_cast<int>(std::floor(5.0 * gain)), way);
     }

@@ -7,6 +7,7 @@
 #include "modelling/seen_things.hpp"
 #include "rooms.hpp"
 #include "stacking/model_again.hpp"
+#include "stonestack/core/error.hpp"
 
 namespace stonestack::stacking {
 namespace {
@@ -40,6 +41,7 @@ StoneCandidate moved_candidate(const AlignedScene& first, const Pose& meant_W) {
   StoneCandidate candidate;
   const LyingObject lying{&first, 0};
   candidate.model = modelling::model_object({&lying, 1}, {});
+  candidate.made_of = {lying};
   candidate.made.name = "stone_1";
   candidate.stone = stone_of_model(candidate.model, candidate.made, {});
   candidate.T_W_O = meant_W * candidate.stone.T_O_file.inverse();
@@ -95,10 +97,12 @@ TEST(ModelAgain, AStoneThatLiesUpsideDownIsModelledAsItLies) {
   const AlignedScene second = align_scene(views_of({lies}, cameras_around(4)));
   std::vector<StoneCandidate> candidates{moved_candidate(first, lies.T_W_O * lay.T_W_O.inverse())};
   candidates[0].made.mass = 0.7;
-  model_again(first, second, layout_here(), {}, candidates);
+  model_again(second, layout_here(), {}, candidates);
   const StoneCandidate& made = candidates.front();
   EXPECT_FALSE(made.moved) << "it is known where it lies";
-  EXPECT_TRUE(made.of_second);
+  ASSERT_EQ(made.made_of.size(), 1U);
+  EXPECT_EQ(made.made_of[0].scene, &second);
+  EXPECT_EQ(made.apart.size(), 1U) << "its other side is kept";
   EXPECT_FALSE(made.made.turned);
   EXPECT_THAT(made.made.note, testing::HasSubstr("modelled from one side"));
   EXPECT_LT(off_above(lies, kHeight - 0.005, made), 0.003);
@@ -115,11 +119,65 @@ TEST(ModelAgain, AStoneOnItsSideIsJoinedFromBothLooks) {
   const AlignedScene first = align_scene(views_of({lay}, cameras_around(4)));
   const AlignedScene second = align_scene(views_of({lies}, cameras_around(4)));
   std::vector<StoneCandidate> candidates{moved_candidate(first, lies.T_W_O * lay.T_W_O.inverse())};
-  model_again(first, second, layout_here(), {}, candidates);
+  model_again(second, layout_here(), {}, candidates);
   EXPECT_TRUE(candidates[0].found_again);
-  EXPECT_FALSE(candidates[0].of_second);
+  EXPECT_EQ(candidates[0].made_of.size(), 2U);
   EXPECT_TRUE(candidates[0].made.turned);
   EXPECT_LT(off_above(lies, 0.01, candidates[0]), 0.004);
+}
+
+/// A thing turned about a level axis, on the table.
+Thing turned_by(const Thing& thing, double angle) {
+  Thing turned = thing;
+  turned.T_W_O = Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitX()) * thing.T_W_O;
+  double lowest = 1.0;
+  for (const auto& v : turned.mesh.vertices) lowest = std::min(lowest, (turned.T_W_O * v).z());
+  turned.T_W_O = Eigen::Translation3d(0.0, 0.0, -lowest) * turned.T_W_O;
+  return turned;
+}
+
+TEST(ModelAgain, BothSidesAreJoinedOnceALookShowsHowTheyBelongTogether) {
+  const Thing lay = modelling::test::lying_stone(3, 0.0, 0.0);
+  const Thing over = turned_by(lay, M_PI), side = turned_by(lay, 0.5 * M_PI);
+  const AlignedScene first = align_scene(views_of({lay}, cameras_around(4)));
+  const AlignedScene second = align_scene(views_of({over}, cameras_around(4)));
+  const AlignedScene third = align_scene(views_of({side}, cameras_around(4)));
+  std::vector<StoneCandidate> candidates{moved_candidate(second, side.T_W_O * over.T_W_O.inverse())};
+  StoneCandidate& stone = candidates[0];
+  stone.apart = {{&first, 0}};  // not recognised upside down
+  model_again(third, layout_here(), {}, candidates);
+  ASSERT_EQ(stone.made_of.size(), 3U);
+  EXPECT_TRUE(stone.apart.empty());
+  EXPECT_EQ(stone.stone.surface->up_O_at_rest.size(), 3U);
+  EXPECT_GT(stone.made.seen_share, 0.85);
+  EXPECT_LT(off_above(side, -1.0, stone), 0.004) << "all around";
+}
+
+TEST(ModelAgain, AStoneSeenFromBothSidesIsNotTakenForAnother) {
+  const Thing stands = modelling::test::lying_stone(3, 0.0, 0.0);
+  const Thing lay = modelling::test::lying_stone(4, 0.15, 0.0);
+  const AlignedScene first = align_scene(views_of({stands, lay}, cameras_around(4)));
+  const AlignedScene second = align_scene(views_of({stands}, cameras_around(4)));  // the other is lost
+  ASSERT_EQ(first.segmentation.objects.size(), 2U);
+  std::vector<StoneCandidate> candidates;
+  for (int object = 0; object < 2; ++object) {
+    StoneCandidate candidate;
+    candidate.made_of = {{&first, object}};
+    candidate.object = object;
+    candidate.model = modelling::model_object(candidate.made_of, {});
+    candidate.made.name = concat("stone_", object + 1);
+    candidate.stone = stone_of_model(candidate.model, candidate.made, {});
+    candidate.T_W_O = candidate.stone.T_O_file.inverse();
+    candidate.moved = candidate.T_W_O.translation().x() > 0.075;
+    if (candidate.moved)
+      candidate.p_W_seen = Eigen::Vector2d(0.08, 0.0);  // near the one that stands
+    else
+      candidate.made_of.push_back(candidate.made_of.front());
+    candidates.push_back(candidate);
+  }
+  model_again(second, layout_here(), {}, candidates);
+  for (const StoneCandidate& candidate : candidates)
+    EXPECT_EQ(candidate.moved, candidate.T_W_O.translation().x() > 0.075) << candidate.made.name;
 }
 
 TEST(ModelAgain, AStoneThatIsNotSeenAnyMoreKeepsItsModelAndIsNotPlaced) {
@@ -130,7 +188,7 @@ TEST(ModelAgain, AStoneThatIsNotSeenAnyMoreKeepsItsModelAndIsNotPlaced) {
   const AlignedScene second = align_scene(views_of({elsewhere}, cameras_around(4)));
   std::vector<StoneCandidate> candidates{moved_candidate(first, Pose::Identity())};
   const std::size_t vertices = candidates[0].model.mesh.vertices.size();
-  model_again(first, second, layout_here(), {}, candidates);
+  model_again(second, layout_here(), {}, candidates);
   EXPECT_TRUE(candidates[0].moved);
   EXPECT_EQ(candidates[0].model.mesh.vertices.size(), vertices);
   EXPECT_THAT(candidates[0].made.note, testing::HasSubstr("not recognised"));

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "core/quantile.hpp"
+#include "geometry/convex_pieces.hpp"
 #include "geometry/surface_tree.hpp"
 #include "rooms.hpp"
 #include "stacking/survey.hpp"
@@ -140,6 +141,28 @@ TEST(ModelField, StonesThatAreKnownAreRecognisedAndLeftAsTheyLie) {
   EXPECT_FALSE(in.field.stones[1].known);
   EXPECT_EQ(in.field.stones[1].name, "stone_8") << "no name of a known stone, there or not";
   EXPECT_TRUE(in.field.stones[1].mass.has_value());
+}
+
+TEST(ModelField, AStoneThatNoGraspTurnsIsWeighed) {
+  Mesh corners;  // of a low frustum
+  for (const double x : {-1.0, 1.0})
+    for (const double y : {-1.0, 1.0}) {
+      corners.vertices.emplace_back(0.050 * x, 0.070 * y, 0.0);
+      corners.vertices.emplace_back(0.045 * x, 0.065 * y, 0.030);
+    }
+  const Stone low = model_stone(convex_hull(corners), "low", "a test", {}).stone;
+  SimulationOptions simulation = options_of_cell("ideal");
+  simulation.seed = 3;
+  SimulatedCell world({low}, {0_stone}, read_robot("ur10"), CellLayout{}, simulation);
+  Cell cell = world.cell();
+  const ModelledField field = model_field(cell, read_robot("ur10"));
+  ASSERT_EQ(field.stones.size(), 1U);
+  EXPECT_FALSE(field.stones[0].turned);
+  EXPECT_EQ(field.stones[0].note, "no grasp sets it down on another side");
+  ASSERT_TRUE(field.stones[0].mass.has_value());
+  EXPECT_NEAR(*field.stones[0].mass / low.mass.mass, 1.0, 0.05);
+  ASSERT_TRUE(field.stones[0].T_W_O.has_value());
+  EXPECT_LT((field.stones[0].T_W_O->translation() - world.truth().T_W_O[0].translation()).norm(), 0.01);
 }
 
 TEST(ModelField, ThingsTooLightForStoneAreNone) {

@@ -122,7 +122,8 @@ std::optional<TurnPlan> plan_turn(const PlanningScene& scene, const PickAndPlace
       // Let go of as it was turned about the vertical for this place.
       const Eigen::Quaterniond yaw = Eigen::Quaterniond(places[k].linear()) * way.R_W_O.conjugate();
       const Eigen::Vector2d p_W_M = (places[k] * task.stone->mass.p_O_M).head<2>();
-      return TurnPlan{std::move(plan), standing(*task.stone, yaw * way.R_W_O_rest, p_W_M, scene.table_z)};
+      return TurnPlan{std::move(plan), way,
+                      standing(*task.stone, yaw * way.R_W_O_rest, p_W_M, scene.table_z)};
     }
   }
   log_debug(concat(task.stone->name, ": ", all.size(), " grasps, ", from.size(), " lift it; ", ways.size(),
