@@ -9,6 +9,8 @@
 namespace stonestack::stacking {
 namespace {
 
+constexpr const char* kEarlyContact = "early contact: the stone is held otherwise than planned";
+
 /// The gripper is still empty.
 bool leads_to_grasp(const PickAndPlacePlan& plan, const PlanStep& step) {
   return std::any_of(plan.steps.data() + (&step - plan.steps.data()), plan.steps.data() + plan.steps.size(),
@@ -22,8 +24,8 @@ ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const 
   PlanExecutor executor{plan, stone, scene, cell, options, journal, how == LetGo::kTippedOver};
   using Status = ExecutionResult::Status;
   ExecutionResult result;
-  bool lowered = false, touched = false, loose = false;
-  const PlanStep* lift = nullptr;
+  bool lowered = false, touched = false, rests = false, loose = false;
+  const PlanStep *lift = nullptr, *lowering = nullptr;
   for (const PlanStep& step : plan.steps) {
     throw_if_interrupted();
     executor.intend(step);
@@ -39,12 +41,13 @@ ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const 
         break;
       case PlanStep::Kind::kDescent:
         if (touched) break;  // already while lowering
-        now = executor.check_carried(lift, step);
+        now = executor.check_carried(lift, step, lowering, &rests);
         if (now.status != Status::kReleased) break;
         executor.wrist.zero(executor.carried_weight);
-        now = executor.feel_down(step, &touched);
+        now = rests ? executor.feel_down_from_here(step, &touched) : executor.feel_down(step, &touched);
         lowered = true;
         result.contact_force = now.contact_force;
+        if (rests) result.reason = kEarlyContact;
         if (!touched) result.reason = "no contact where the stone should touch; let go there";
         if (touched && how == LetGo::kDragged && now.status == Status::kReleased) {
           now = executor.measure_friction();
@@ -76,9 +79,10 @@ ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const 
         now = executor.check_carried(lift, step);
         if (now.status != Status::kReleased) break;
         now = executor.feel_down(step, &touched);
+        lowering = &step;
         lowered = touched;
         result.contact_force = now.contact_force;
-        if (touched) result.reason = "early contact: the stone is held otherwise than planned";
+        if (touched) result.reason = kEarlyContact;
         break;
       case PlanStep::Kind::kLift:
         now = executor.lift(step);

@@ -30,7 +30,11 @@ constexpr double kFarAbove = 1.0;      // m above the table: no finger is there
 constexpr double kTableReach = 0.006;  // m above the end of an approach: what is met lower is the table
 constexpr std::array kSharesBack{1.0, 0.75, 0.5, 0.25};  // of the way back that was asked for
 constexpr double kAsPlanned = 0.005;  // rad, half of what the arm allows at the start of a motion
-constexpr double kLightest = 1.0;     // N: less is not told from an empty gripper
+constexpr double kLightest = 0.3;     // N: less is not told from an empty gripper
+// Less of a stone's weight than this [N, and of all] is not told from how the wrist errs while it is lowered.
+constexpr double kBorne = 1.0, kBorneShare = 0.05;
+constexpr double kRaised =
+    0.3;  // of the way on which it was lowered, to see whether it then weighs as before
 constexpr double kOffTable = 0.001;   // m, between finger tips that have felt the table and where they close
 constexpr double kFullyOpen = 0.003;  // m, of the opening: fingers so near to their end were stopped by it
 
@@ -109,8 +113,11 @@ ExecutionResult PlanExecutor::check_hold(const PlanStep& lift) {
         concat("slipped out of the gripper: it holds ", load.weight, " N, not ", expected, " N");
     // A stone that is still held is set down, also where the wrist alone does not feel it; one that lies
     // below must not be hit from above.
-    const bool held = load.weight > kEmptyGripper * expected || cell.gripper.state().object;
-    return held ? put_back(lift, why) : release(why);
+    const bool reported = cell.gripper.state().object;
+    const bool held = load.weight > kEmptyGripper * expected || reported;
+    ExecutionResult back = held ? put_back(lift, why) : release(why);
+    if (reported && load.weight > kLightest) back.weight = load.weight;
+    return back;
   }
   if (off > kMaxSwing || !refusal.empty()) {
     ExecutionResult back = put_back(lift, refusal.empty() ? turned(off) : refusal);
@@ -131,13 +138,28 @@ std::string PlanExecutor::turned(double off) {
                 " mm beside the planned point");
 }
 
-ExecutionResult PlanExecutor::check_carried(const PlanStep* lift, const PlanStep& next) {
+ExecutionResult PlanExecutor::check_carried(const PlanStep* lift, const PlanStep& next,
+                                            const PlanStep* lowering, bool* rests) {
   if (lift == nullptr) return {};
+  const double least = (1.0 - kBorneShare) * carried_weight - kBorne;  // of what nothing below bears
   const double expected = kGravity * mass;
   const CarriedLoad carried = feel_carried(wrist, cell, expected, kMinHeldShare);
   const double off = swing(carried.load);
   carried_weight = carried.load.weight;
   record(journal, CarriedMeasured{carried_weight, expected, off, carried.load.uncertainty, carried.held});
+  if (lowering != nullptr && carried_weight < least && (carried.held || reports_object_at_rest(cell))) {
+    record(journal, StepBegun{concat("raise ", stone.name, ", which weighs less once it is lowered")});
+    if (const ExecutionResult up = follow_from_here(*lowering, -kRaised); up.status == Status::kStopped)
+      return up;
+    const double raised = wrist.feel().weight;
+    *rests = raised > least;
+    if (*rests) {
+      carried_weight = raised;
+      return {};
+    }
+    const ExecutionResult down = straight_to(*lowering, lowering->trajectory.q.back());
+    if (down.status == Status::kStopped) return down;
+  }
   // What has swung would not come to stand where it is let go of.
   if (carried.held && off > kMaxSwing + carried.load.uncertainty) {
     const ExecutionResult home = go_home({lift + 1, &next});
@@ -238,6 +260,17 @@ ExecutionResult PlanExecutor::feel_down(const PlanStep& step, bool* touched) con
   if (*touched || moved.status == MotionResult::Status::kNoContact)
     return {Status::kReleased, moved.force, ""};
   return {Status::kStopped, moved.force, step.name + ": " + moved.reason};
+}
+
+ExecutionResult PlanExecutor::feel_down_from_here(const PlanStep& step, bool* touched) const {
+  const Pose T_R_T = forward(scene.robot, step.trajectory.q.back()) * scene.T_F_T;
+  const auto path = straight_path(scene.robot, scene.T_F_T, cell.arm.state().q, T_R_T);
+  if (!path) return {Status::kStopped, 0.0, step.name + ": no straight path from where the arm stands"};
+  TimingLimits limits = timing_limits(scene.robot, options);
+  limits.tool_speed = options.descent_speed;
+  PlanStep actual = step;
+  actual.trajectory = time_path(*path, limits, scene.robot, scene.T_F_T);
+  return feel_down(actual, touched);
 }
 
 void PlanExecutor::open(const PlanStep& step) const {

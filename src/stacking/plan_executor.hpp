@@ -43,8 +43,11 @@ struct PlanExecutor {
   [[nodiscard]] double swing(const WristLoad& load) const;
   [[nodiscard]] static std::string turned(double off);
   /// Before the gripper goes nearer to the tower: a stone that is gone is not set down. `lift` is the step
-  /// that was followed last before the carry, or null if nothing was lifted.
-  [[nodiscard]] ExecutionResult check_carried(const PlanStep* lift, const PlanStep& next);
+  /// that was followed last before the carry, or null if nothing was lifted. `lowering`, where it is given,
+  /// is the step that ends here: a stone that weighs less after it, but not when it is raised again, has
+  /// touched something. It stays raised then, and `rests` becomes true.
+  [[nodiscard]] ExecutionResult check_carried(const PlanStep* lift, const PlanStep& next,
+                                              const PlanStep* lowering = nullptr, bool* rests = nullptr);
   /// Returns to where the carry began along the same path, which is known to be free. An empty gripper
   /// opens there and not over the tower.
   [[nodiscard]] ExecutionResult go_home(std::span<const PlanStep> carried) const;
@@ -67,6 +70,8 @@ struct PlanExecutor {
   /// Lowers until the wrist measures contact (paper §4.1: impact on the force-torque sensor). `touched` is
   /// true for contact: above the guarded descent it means a stone that is held otherwise than planned.
   [[nodiscard]] ExecutionResult feel_down(const PlanStep& step, bool* touched) const;
+  /// Lowers in the same way from where the arm stands to the end of the step.
+  [[nodiscard]] ExecutionResult feel_down_from_here(const PlanStep& step, bool* touched) const;
   /// Drags the stone, which rests on the table and is still held, there and back, and compares the forces
   /// along and against the table. The result has no friction where the stone does not press or does not
   /// slide.

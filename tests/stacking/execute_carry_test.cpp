@@ -77,6 +77,39 @@ TEST(Execute, AStoneThatTurnedInTheGripperIsBroughtBack) {
               testing::ElementsAre("follow", "follow", "follow", "lower", "follow", "open", "follow"));
 }
 
+/// Lowered, the stone touches something that bears a part of it; raised, it weighs `raised` kg.
+struct Touching : Carried {
+  explicit Touching(double lowered, double raised) : Carried({1.0, 1.0, lowered, raised, raised, 0.0}) {
+    beside = {0.0, 0.0, 0.07};
+    Joints lower = arm.q;
+    lower[1] += 0.1;
+    for (const std::size_t step : {2, 3}) {
+      plan.steps[step].trajectory.time = {0.0, 1.0};
+      plan.steps[step].trajectory.q = {step == 2 ? arm.q : lower, lower};
+      plan.steps[step].trajectory.qd = {Joints::Zero(), Joints::Zero()};
+    }
+    gripper.object = true;
+  }
+};
+
+TEST(Execute, AStoneThatTouchedWhileItWasLoweredIsSetDownFromHigher) {
+  for (const double lowered : {0.75, -0.05}) {  // a part of it is borne, and all of it
+    Touching cell(lowered, 1.0);
+    cell.plan.steps.erase(cell.plan.steps.begin() + 4, cell.plan.steps.end());  // what lets go
+    const auto done = cell.Bench::run({Status::kNoContact, Status::kContact});
+    EXPECT_EQ(done.status, ExecutionResult::Status::kReleased) << done.reason;
+    EXPECT_THAT(done.reason, testing::HasSubstr("early contact"));
+    EXPECT_THAT(cell.arm.commands, testing::ElementsAre("follow", "follow", "lower", "follow", "descend"));
+  }
+}
+
+TEST(Execute, AStoneThatWeighsNothingWhenItIsRaisedAgainHasNotTouched) {
+  Touching cell(0.0, 0.0);  // the wrist is dead
+  const auto done = cell.Bench::run({Status::kNoContact, Status::kContact});
+  EXPECT_EQ(done.status, ExecutionResult::Status::kNotPicked) << done.reason;
+  EXPECT_THAT(done.reason, testing::HasSubstr("the wrist measures 0"));
+}
+
 TEST(Execute, AStoneThatPullsALittleBesideIsSetDown) {
   Carried cell({1.0});
   cell.beside = {0.0, 0.015, 0.015};
