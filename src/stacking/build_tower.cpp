@@ -172,7 +172,9 @@ Known model_and_observe(Workcell& w, const ModelAnew& action, const ResumeWriter
   if (!action.in_sight)
     expected.loose.insert(expected.loose.end(), lying.begin(), lying.end());
   else if (!lying.empty())
-    expected.stack = lying;
+    std::replace_if(
+        expected.stack.begin(), expected.stack.end(),
+        [&](const StoneEstimate& stone) { return stone.stone == action.lost.front(); }, lying.front());
   return observe_and_learn(w, expected, memory, resume);
 }
 

@@ -73,21 +73,22 @@ bool rests_inclined(const PlacementRecord& last) {
   return R_W_O.row(2).dot(R_W_O_measured.row(2)) < std::cos(kOtherInclination);
 }
 
-/// The base was just set down, and rests as its model cannot: part of that was a guess. It is modelled where
-/// it stands.
-std::optional<Action> model_base(const Situation& s, const RunMemory& memory) {
-  if (memory.modelled_anew >= kMaxModelled || s.world.stack.size() != 1 || memory.records.empty() ||
+/// The top stone was just set down, and rests as its model cannot: part of that was a guess. It is modelled
+/// where it stands.
+std::optional<Action> model_top(const Situation& s, const RunMemory& memory) {
+  if (memory.modelled_anew >= kMaxModelled || s.world.stack.empty() || memory.records.empty() ||
       s.models.wall || height_is_reached(s.arrangement, s.options))
     return std::nullopt;  // a wall plans by stones, and has no place for another one
-  const StoneIndex base = s.world.stack.front().stone;
+  const StoneIndex top = s.world.stack.back().stone;
   const PlacementRecord& last = memory.records.back();
-  const bool guessed = s.models.stone(base).surface && memory.awaited.contains(base);
-  if (last.stone != s.models.name(base) || !last.T_W_O_measured || !guessed) return std::nullopt;
+  const bool guessed = s.models.stone(top).surface && memory.awaited.contains(top);
+  if (last.stone != s.models.name(top) || !last.T_W_O_measured || !guessed) return std::nullopt;
   const std::vector<RestingStack>& resting = s.world.resting;
   const bool rests = std::any_of(resting.begin(), resting.end(),
                                  [](const RestingStack& at) { return at.stack.has_value(); });
-  if (rests && !rests_inclined(last)) return std::nullopt;
-  return ModelAnew{{base}, true};
+  const bool on_table = s.world.stack.size() == 1;
+  if (rests && !(on_table && rests_inclined(last))) return std::nullopt;
+  return ModelAnew{{top}, true};
 }
 
 /// The top stone into the field.
@@ -188,7 +189,7 @@ Action choose(const Situation& s, RunMemory& memory) {
     if (const auto stop = stop_at_start(s)) return *stop;
   if (const auto action = model_anew(s, memory)) return *action;
   if (const auto action = go_on_unstacking(s, memory)) return *action;
-  if (const auto action = model_base(s, memory)) return *action;
+  if (const auto action = model_top(s, memory)) return *action;
   if (const auto action = clear_base(s, memory)) return *action;
   if (const auto stop = stop_when_done(s, memory)) return *stop;
   if (const auto push = push_free(s, memory, Neighbours::kLasting)) return *push;
@@ -241,7 +242,10 @@ Decision choose_action(const WorldEstimate& world, const RunMemory& memory, cons
     decision.why.push_back(event);
     if (listener) listener(event);
   };
-  decision.action = choose(make_situation(world, models, options, note), decision.memory);
+  Situation situation = make_situation(world, models, options, note);
+  std::erase_if(situation.arrangement.loose,
+                [&](const PlacedStone& loose) { return memory.disproved.contains(loose.stone); });
+  decision.action = choose(situation, decision.memory);
   return decision;
 }
 

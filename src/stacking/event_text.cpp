@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/constants.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/stacking/event.hpp"
 
@@ -175,6 +176,10 @@ struct Words {
   }
   std::string operator()(const StoneToppled& e) const {
     return name(e.stone) + " did not stay as it was set down";
+  }
+  std::string operator()(const StoneTooLight& e) const {
+    return concat(name(e.stone), " weighs ", std::round(1e3 * e.weight / kGravity) / 1e3,
+                  " kg, which is too little for stone: it is left where it lies");
   }
   std::string operator()(const RunEnded&) const { return ""; }  // who asked for the run prints it
   std::string operator()(const StepBegun&) const { return ""; }

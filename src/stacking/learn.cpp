@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/constants.hpp"
 #include "search/constants.hpp"
 #include "stacking/arrangement.hpp"
 #include "stacking/choose_in_wall.hpp"
+#include "stacking/constants.hpp"
 #include "stacking/next_view.hpp"
 #include "stacking/unknown_objects.hpp"
 #include "stonestack/core/error.hpp"
@@ -152,6 +154,22 @@ void learn_from_placing(RunMemory& memory, const Attempt& attempt, const Placeme
   memory.failure = {RunEnd::kPlacementFailed,
                     concat("placing ", record.stone, " failed: ", to_text(record.outcome),
                            record.note.empty() ? "" : ", " + record.note)};
+}
+
+/// An object of which the gripper twice held too little weight for stone is none: the camera modelled it, and
+/// its mass was a guess. It is not looked for any more, and kept clear of.
+void learn_from_weight(RunMemory& memory, const Attempt& attempt, const Models& models,
+                       const Listener& emit) {
+  const StoneIndex index = attempt.placement.stone;
+  const Stone& stone = models.stone(index);
+  if (attempt.done.status != Status::kNotPicked || !attempt.done.weight || !stone.surface) return;
+  if (*attempt.done.weight > kGravity * kLightStone * volume(stone.scan)) return;
+  if (memory.too_light.insert(index).second) return;
+  emit(StoneTooLight{index, *attempt.done.weight});
+  memory.disproved.insert(index);
+  memory.awaited.erase(index);
+  memory.last_seen.erase(index);
+  memory.plan.reset();
 }
 
 /// A stone that is seen otherwise than it was set down: that resting pose is not tried with it again.
@@ -472,6 +490,7 @@ RunMemory learn(RunMemory memory, const WorldEstimate& seen, const Models& model
   emit(PlacementJudged{record});
   if (std::holds_alternative<Place>(attempt.action))
     learn_from_placing(memory, attempt, record, seen, models, options, emit);
+  learn_from_weight(memory, attempt, models, emit);
   if (std::holds_alternative<Reorient>(attempt.action)) learn_from_reorienting(memory, attempt, record, emit);
   if (const auto* push = std::get_if<Push>(&attempt.action)) learn_from_pushing(memory, *push, seen);
   return memory;

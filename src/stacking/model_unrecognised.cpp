@@ -1,9 +1,11 @@
 #include "stacking/model_unrecognised.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "modelling/rest_on_table.hpp"
+#include "search/height_raster.hpp"
 #include "stacking/arrangement.hpp"
 #include "stacking/model_again.hpp"
 #include "stacking/survey.hpp"
@@ -78,6 +80,61 @@ int object_near(const modelling::AlignedScene& scene, const Eigen::Vector2d& p_W
   return best;
 }
 
+/// Names that another stone of the run must not get.
+std::vector<std::string> names_taken(const Workcell& w, const ModelledField& field) {
+  std::vector<std::string> taken;
+  for (const Stone& stone : w.models.catalogue->stones) taken.push_back(stone.name);
+  for (const Stone& stone : field.catalogue.stones) taken.push_back(stone.name);
+  return taken;
+}
+
+/// Height of the upper side of a mesh.
+modelling::HeightBelow height_of(const Mesh& mesh_W) {
+  constexpr double kCell = 0.001;  // m
+  const Eigen::AlignedBox3d box = bounds(mesh_W);
+  const int half = static_cast<int>(std::ceil(0.5 * box.sizes().head<2>().maxCoeff() / kCell)) + 1;
+  search::HeightRaster raster(box.center().head<2>(), kCell, half);
+  search::raise_to(raster, mesh_W.vertices, mesh_W.faces);
+  return [raster = std::move(raster)](const Eigen::Vector2d& p_W) -> std::optional<double> {
+    const Eigen::Vector2d at = (p_W - raster.centre) / raster.cell;
+    const auto i = static_cast<int>(std::lround(at.x())), j = static_cast<int>(std::lround(at.y()));
+    if (std::abs(i) > raster.half || std::abs(j) > raster.half) return std::nullopt;
+    const float z = raster.z[static_cast<std::size_t>(raster.index(i, j))];
+    return z > search::kNoSurface ? std::optional(static_cast<double>(z)) : std::nullopt;
+  };
+}
+
+/// The stone on top of others, with its unseen underside so that it rests where it is seen.
+void model_on_stack(const Workcell& w, const WorldEstimate& world, ModelledField& field) {
+  const StoneEstimate& top = world.stack.back();
+  const StoneEstimate& below = world.stack[world.stack.size() - 2];
+  const Stone& before = w.models.stone(top.stone);
+  StoneCandidate candidate;
+  candidate.model.mesh = transformed(before.scan, top.T_W_O_seen);
+  candidate.model.seen = before.surface->seen;
+  candidate.model.sigma = before.surface->sigma;
+  double seen = 0.0;
+  for (const char one : candidate.model.seen) seen += one;
+  candidate.model.seen_share = seen / static_cast<double>(candidate.model.seen.size());
+  modelling::rest_on(candidate.model,
+                     height_of(transformed(w.models.stone(below.stone).scan, below.T_W_O_at_rest)));
+  candidate.made.name = modelled_name(names_taken(w, field));
+  candidate.made.mass = before.mass.mass;
+  ModelFieldOptions options;
+  options.stone.friction = w.options.search.friction;
+  try {
+    candidate.stone = stone_of_model(candidate.model, candidate.made, options, {Eigen::Vector3d::UnitZ()});
+  } catch (const FileError& problem) {
+    field.left_out.push_back(concat(before.name, ", as it rests: ", problem.what()));
+    return;
+  }
+  describe_model(candidate);
+  candidate.made.note = "its underside as it rests on the tower";
+  candidate.made.T_W_O = candidate.stone.T_O_file.inverse();
+  field.stones.push_back(std::move(candidate.made));
+  field.catalogue.stones.push_back(std::move(candidate.stone));
+}
+
 /// One thing after the other.
 class Modeller {
  public:
@@ -127,10 +184,7 @@ class Modeller {
     if (std::string why = unfit_view(scene, object); !why.empty()) return why;
     StoneCandidate candidate;
     const modelling::LyingObject lying{&scene, object};
-    std::vector<std::string> taken;
-    for (const Stone& stone : w_.models.catalogue->stones) taken.push_back(stone.name);
-    for (const Stone& stone : field.catalogue.stones) taken.push_back(stone.name);
-    candidate.made.name = modelled_name(taken);
+    candidate.made.name = modelled_name(names_taken(w_, field));
     candidate.made.mass = mass;
     try {
       candidate.model = modelling::model_object({&lying, 1}, options_.modelling);
@@ -166,6 +220,10 @@ ModelledField model_unrecognised(Workcell& w, const WorldEstimate& world, const 
   const std::vector<StoneIndex>& lost = action.lost;
   ModelledField field;
   const double start = w.cell.clock.now();
+  if (action.in_sight && world.stack.size() > 1 && world.stack.back().stone == lost.front()) {
+    model_on_stack(w, world, field);
+    return field;
+  }
   Modeller modeller(w, world, things_to_model(w, world, memory, action), action, journal);
   const bool same_stone = lost.size() == 1 && modeller.things().size() == 1;
   for (const UnknownThing& thing : modeller.things()) {

@@ -12,7 +12,8 @@ namespace stonestack::stacking {
 /// from up to four views of each thing, as it lies, as many as stones are lost. Nothing is moved. What is not
 /// whole, or beyond the gripper, is left out. With one stone lost and one thing found the weighed mass is
 /// that of the lost one. Names go on after those of the catalogue. A stone in sight is modelled where it
-/// stands, also if the gripper could not take it.
+/// stands, also if the gripper could not take it; on others, from the model that it has, whose unseen
+/// underside is brought onto the stone below.
 /// @throws DeviceError when the arm stops
 [[nodiscard]] ModelledField model_unrecognised(Workcell& workcell, const WorldEstimate& world,
                                                const RunMemory& memory, const ModelAnew& action,

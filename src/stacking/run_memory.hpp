@@ -105,8 +105,9 @@ struct RunMemory {
   /// their place
   std::set<StoneIndex> awaited;
   std::set<StoneIndex>
-      disproved;          ///< another model takes the place of these: they rest otherwise than theirs
-  int modelled_anew = 0;  ///< stones in whose place something else was modelled, or sought
+      disproved;  ///< another model takes the place of these: they rest otherwise than theirs
+  std::set<StoneIndex> too_light;  ///< a pick of these brought up less than a stone weighs
+  int modelled_anew = 0;           ///< stones in whose place something else was modelled, or sought
   /// Middles of what is no stone, seen from above, when all awaited stones were seen [m]
   std::vector<Eigen::Vector2d> p_W_objects;
   std::optional<Unstacking> unstacking;

@@ -348,6 +348,7 @@ json memory_json(const RunMemory& m, const Writer& w) {
          {"out_of_sight", w.stones(m.out_of_sight)},
          {"awaited", w.stones(m.awaited)},
          {"disproved", w.stones(m.disproved)},
+         {"too_light", w.stones(m.too_light)},
          {"modelled_anew", m.modelled_anew},
          {"p_W_objects", list_json(m.p_W_objects, [](const Eigen::Vector2d& p) { return vector_json(p); })},
          {"sought_where_it_was", w.stones(m.sought_where_it_was)},
@@ -399,6 +400,7 @@ RunMemory memory_of(const json& j, const Reader& r) {
   m.out_of_sight = r.stones(j.at("out_of_sight"));
   if (j.contains("awaited")) m.awaited = r.stones(j.at("awaited"));
   if (j.contains("disproved")) m.disproved = r.stones(j.at("disproved"));
+  if (j.contains("too_light")) m.too_light = r.stones(j.at("too_light"));
   m.modelled_anew = j.value("modelled_anew", 0);
   if (j.contains("p_W_objects"))
     m.p_W_objects = list_of(j.at("p_W_objects"), [](const json& p) { return vector2_of(p); });

@@ -63,6 +63,26 @@ TEST(RestOnTable, NoMoreOfTheUndersideIsSetOnTheTableThanCarriesTheObject) {
   EXPECT_LT(within, 0.012);
 }
 
+TEST(RestOn, AModelRestsOnWhatIsBelowIt) {
+  constexpr double kTop = 0.05, kHalf = 0.03;  // m, of a box
+  ObjectModel model = inclined_pebble();
+  for (Eigen::Vector3d& p : model.mesh.vertices) p.z() += kTop;
+  const Mesh before = model.mesh;
+  rest_on(model, [&](const Eigen::Vector2d& p_W) {
+    return p_W.cwiseAbs().maxCoeff() < kHalf ? std::optional(kTop) : std::nullopt;
+  });
+  std::vector<Eigen::Vector2d> contact;
+  for (std::size_t k = 0; k < before.vertices.size(); ++k) {
+    const Eigen::Vector3d& p = model.mesh.vertices[k];
+    if (p == before.vertices[k]) continue;
+    EXPECT_EQ(model.seen[k], 0);
+    EXPECT_DOUBLE_EQ(p.z(), kTop);
+    EXPECT_LT(p.head<2>().cwiseAbs().maxCoeff(), kHalf);
+    contact.push_back(p.head<2>());
+  }
+  EXPECT_GT(margin(convex_hull(contact), mass_properties(model.mesh, 1.0).p_O_M.head<2>()), 0.006);
+}
+
 TEST(RestOnTable, SurfaceThatWasSeenFromBelowStays) {
   ObjectModel model = inclined_pebble();
   std::fill(model.seen.begin(), model.seen.end(), 1);

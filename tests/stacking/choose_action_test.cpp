@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "core/constants.hpp"
 #include "stacking/heard.hpp"
 #include "stacking/learn.hpp"
 #include "stacking/state_file.hpp"
@@ -246,6 +247,28 @@ TEST(ChooseAction, ABaseThatIsInclinedOtherwiseThanItsModelRestsIsModelledWhereI
   EXPECT_FALSE(models_when_turned(0.25, Eigen::Vector3d::UnitZ())) << "it slid, and is as its model";
 }
 
+TEST(ChooseAction, ATopStoneThatRestsAsItsModelCannotIsModelledWhereItStands) {
+  State state = read("stop");
+  state.options.max_stones = 5;
+  Catalogue catalogue = limestones();
+  const StoneIndex top = state.world.stack.back().stone;
+  const std::size_t vertices = limestones()[top].scan.vertices.size();
+  catalogue.stones[static_cast<std::size_t>(top.value())].surface =
+      SurfaceKnowledge{std::vector<double>(vertices, 0.001), std::vector<char>(vertices, 0), {}};
+  state.memory.awaited = {top};
+  const Models by_camera = make_models(catalogue, ur10(), CellLayout{});
+  const auto modelled = [&] {
+    const Action chosen = choose_action(state.world, state.memory, by_camera, state.options).action;
+    const auto* model = std::get_if<ModelAnew>(&chosen);
+    return model != nullptr && model->in_sight && model->lost == std::vector<StoneIndex>{top};
+  };
+  Pose& T_W_O = *state.memory.records.back().T_W_O_measured;
+  T_W_O.linear() = Eigen::AngleAxisd(0.25, Eigen::Vector3d::UnitX()) * T_W_O.linear();
+  EXPECT_FALSE(modelled()) << "by its model it rests as it does";
+  for (RestingStack& resting : state.world.resting) resting.stack.reset();
+  EXPECT_TRUE(modelled());
+}
+
 TEST(ChooseAction, AStoneWhoseModelWasWrongIsNotLookedForAnyMore) {
   const ModelledBase in;
   const PlacedStone instead{2_stone, in.state.world.stack.front().T_W_O_at_rest};
@@ -258,6 +281,42 @@ TEST(ChooseAction, AStoneWhoseModelWasWrongIsNotLookedForAnyMore) {
   EXPECT_EQ(expected_after(in.state.world, memory, Stop{}).disproved, memory.disproved);
   const RunMemory lost = remember_modelled(in.state.memory, ModelAnew{{in.base}}, {instead}, in.models);
   EXPECT_TRUE(lost.disproved.empty()) << "one that is out of sight may come to light again";
+}
+
+TEST(ChooseAction, AnObjectThatTwiceWeighedTooLittleForStoneIsLeftWhereItLies) {
+  State state = read("place");
+  Catalogue catalogue = limestones();
+  const Models by_camera = make_models(catalogue, ur10(), CellLayout{});
+  const auto placed = std::get<Place>(decide(state).action).candidates.front();
+  const StoneIndex light = placed.stone;
+  const auto pick = [&](double weight) {
+    Attempt attempt;
+    attempt.action = Place{{placed}};
+    attempt.placement = placed;
+    attempt.done.status = ExecutionResult::Status::kNotPicked;
+    attempt.done.weight = weight;
+    state.memory.attempt = attempt;
+    state.memory = learn(state.memory, state.world, by_camera, state.options, {});
+    return choose_action(state.world, state.memory, by_camera, state.options).action;
+  };
+  const auto places_it = [&](const Action& action) {
+    const auto* place = std::get_if<Place>(&action);
+    return place != nullptr && place->candidates.front().stone == light;
+  };
+  (void)pick(1.0);
+  (void)pick(1.0);
+  EXPECT_TRUE(state.memory.disproved.empty()) << "a scanned stone slipped";
+  Stone& modelled = catalogue.stones[static_cast<std::size_t>(light.value())];
+  const std::size_t vertices = modelled.scan.vertices.size();
+  modelled.surface =
+      SurfaceKnowledge{std::vector<double>(vertices, 0.001), std::vector<char>(vertices, 0), {}};
+  (void)pick(kGravity * modelled.mass.mass);
+  EXPECT_TRUE(state.memory.too_light.empty());
+  (void)pick(1.0);
+  EXPECT_TRUE(state.memory.disproved.empty()) << "it may have slipped once";
+  EXPECT_FALSE(places_it(pick(1.0)));
+  EXPECT_TRUE(state.memory.disproved.contains(light));
+  EXPECT_FALSE(state.memory.last_seen.contains(light));
 }
 
 TEST(ChooseAction, ObjectsThatLieThereWhileAllStonesAreSeenAreNoStones) {

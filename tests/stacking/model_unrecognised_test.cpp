@@ -134,5 +134,47 @@ TEST(ModelUnrecognised, AStoneInSightIsModelledWhereItStands) {
   }
 }
 
+/// It stands 0.2 rad beside how its model rests there, whose underside is a guess.
+TEST(ModelUnrecognised, AStoneOnAnotherGetsAnUndersideOnWhichItRests) {
+  Catalogue known;
+  known.stones.push_back(model_stone(make_box({0.09, 0.08, 0.05}), "base", "a box", {}).stone);
+  Mesh pebble = make_sphere(1.0, 4);  // whose lower half nobody saw
+  for (Eigen::Vector3d& p : pebble.vertices) p = p.cwiseProduct(Eigen::Vector3d(0.045, 0.035, 0.025));
+  known.stones.push_back(model_stone(pebble, "top", "a pebble", {}).stone);
+  Stone& guess = known.stones.back();
+  SurfaceKnowledge surface;
+  for (const Eigen::Vector3d& p : guess.scan.vertices) surface.seen.push_back(p.z() > 0.0 ? 1 : 0);
+  surface.sigma.assign(surface.seen.size(), 0.001);
+  guess.surface = surface;
+  const RobotModel robot = read_robot("ur10");
+  SimulatedCell cell{known.stones, {0_stone}, robot, CellLayout{}, WrongModel::simulation()};
+  const BuildOptions options;
+  const Models models = make_models(known, robot, CellLayout{});
+  const DetectionModels detection(known.stones, options.detection);
+  StageSeconds seconds;
+  Workcell workcell{cell.cell(), models, detection, options, seconds, [](const Event&) {}, {}};
+  const Pose T_W_base = make_pose({0.0, 0.0, 0.025});
+  Pose T_W_top = make_pose({0.0, 0.0, 0.08});
+  T_W_top.rotate(Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitY()));
+  double lowest = 1.0;
+  for (const Eigen::Vector3d& p : guess.scan.vertices) lowest = std::min(lowest, (T_W_top * p).z());
+  T_W_top.pretranslate(Eigen::Vector3d(0.0, 0.0, 0.05 - lowest));
+  WorldEstimate world;
+  world.stack = {{0_stone, T_W_base, T_W_base}, {1_stone, T_W_top, T_W_top}};
+  const auto rests = [&](const Stone& top, const Pose& T_W_O) {
+    const search::StandingStack standing = search::settled_stack(
+        make_contact_shapes({known[0_stone], top}), Stack{{{0_stone, T_W_base}, {1_stone, T_W_O}}}, {}, true);
+    return standing.stack && difference(standing.stack->stones[1].T_W_O, T_W_O).angle < 0.05;
+  };
+  ASSERT_FALSE(rests(guess, T_W_top)) << "by its model it tips over";
+  const ModelledField field =
+      model_unrecognised(workcell, world, make_memory(options), ModelAnew{{1_stone}, true}, nullptr);
+  ASSERT_EQ(field.stones.size(), 1U) << (field.left_out.empty() ? "" : field.left_out.front());
+  const Stone& made = field.catalogue.stones.front();
+  EXPECT_TRUE(rests(made, *field.stones.front().T_W_O));
+  EXPECT_NEAR(made.mass.mass, guess.mass.mass, 1e-9);
+  EXPECT_TRUE(made.surface.has_value());
+}
+
 }  // namespace
 }  // namespace stonestack::stacking

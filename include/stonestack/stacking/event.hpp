@@ -184,6 +184,11 @@ struct FrictionUpdated {
 struct StoneToppled {
   StoneIndex stone = kNoStone;  ///< index into the catalogue
 };
+/// A lifted object is too light for stone.
+struct StoneTooLight {
+  StoneIndex stone = kNoStone;  ///< index into the catalogue
+  double weight = 0.0;          ///< measured [N]
+};
 /// The run ended.
 struct RunEnded {
   RunEnd end = RunEnd::kAllPlaced;  ///< reason as a value
@@ -245,9 +250,9 @@ using Event =
                  BackedAway, StonesUnfit, StonesNotHeld, SearchProgress, SearchedAtFriction, PlanHolds,
                  PlanBroken, PlanAbandoned, PosesRefused, GraspsRetried, StoneLeans, UnstackChosen,
                  UnstackToFree, ActionChosen, PlaceBegun, SetDownBegun, PushBegun, FingertipGrasp,
-                 MotionRefused, PlacementJudged, FrictionMeasured, FrictionUpdated, StoneToppled, RunEnded,
-                 StepBegun, HoldMeasured, CarriedMeasured, TouchMeasured, ReleaseMeasured, GripperRetried,
-                 ModellingBegun, StoneModelled>;
+                 MotionRefused, PlacementJudged, FrictionMeasured, FrictionUpdated, StoneToppled,
+                 StoneTooLight, RunEnded, StepBegun, HoldMeasured, CarriedMeasured, TouchMeasured,
+                 ReleaseMeasured, GripperRetried, ModellingBegun, StoneModelled>;
 /// Receiver of events.
 using Listener = std::function<void(const Event&)>;
 
