@@ -18,6 +18,7 @@ namespace stonestack::stacking {
 namespace {
 
 constexpr double kMinGain = 0.3;     // of the unseen area, that a stone is turned for
+constexpr double kPixel = 0.0005;    // m: half of what a point of a cloud covers, or one alone has no hull
 constexpr double kSameWay = 0.3;     // rad between attitudes in which a stone is let go of
 constexpr double kVisible = -0.25;   // z of a normal: flatter undersides are seen by no camera
 constexpr double kRollsAway = 0.30;  // m from where a stone was let go of to where it may have rolled
@@ -178,8 +179,11 @@ Mesh hull_to_table(const Cloud& cloud_C, const Pose& T_W_C) {
   Mesh points;
   for (const auto& p : cloud_C.points) {
     const Eigen::Vector3d p_W = T_W_C * p.cast<double>();
-    points.vertices.push_back(p_W);
-    points.vertices.emplace_back(p_W.x(), p_W.y(), 0.0);
+    for (const double x : {-kPixel, kPixel})
+      for (const double y : {-kPixel, kPixel}) {
+        points.vertices.emplace_back(p_W.x() + x, p_W.y() + y, std::max(p_W.z(), kPixel));
+        points.vertices.emplace_back(p_W.x() + x, p_W.y() + y, 0.0);
+      }
   }
   return convex_hull(points);
 }

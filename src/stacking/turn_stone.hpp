@@ -8,7 +8,7 @@
 /// Private to stacking/: a stone that nobody scanned, set down on another of its sides.
 namespace stonestack::stacking {
 
-/// Hull of points and of the table below them, in W.
+/// Hull of what a cloud's points cover and of the table below them, in W. The cloud has a point at least.
 [[nodiscard]] Mesh hull_to_table(const Cloud& cloud_C, const Pose& T_W_C);
 
 /// Sets a stone down on another of its sides, or on an edge from which it falls over, so that much of what no

@@ -9,6 +9,7 @@
 #include "geometry/surface_tree.hpp"
 #include "rooms.hpp"
 #include "stacking/survey.hpp"
+#include "stacking/turn_stone.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
@@ -178,6 +179,18 @@ TEST(ModelField, ThingsTooLightForStoneAreNone) {
   EXPECT_NEAR(*field.stones[0].mass, catalogue[1_stone].mass.mass, 0.1);
   ASSERT_EQ(field.left_out.size(), 1U);
   EXPECT_NE(field.left_out[0].find("kg/m^3: no stone"), std::string::npos) << field.left_out[0];
+}
+
+TEST(ModelField, FewPointsHaveAHull) {
+  detection::Cloud cloud;
+  for (const double x : {0.3, 0.3, 0.304}) {
+    cloud.points.emplace_back(x, 0.1, 0.02);
+    const Mesh hull = hull_to_table(cloud, Pose::Identity());
+    EXPECT_GT(volume(hull), 0.0);
+    const Eigen::AlignedBox3d box = bounds(hull);
+    EXPECT_NEAR(box.max().z(), 0.02, 1e-6);
+    EXPECT_NEAR(box.min().z(), 0.0, 1e-9);
+  }
 }
 
 TEST(ModelField, NamesGoOnAfterThoseThatAreTaken) {
