@@ -160,6 +160,7 @@ TEST(ModelAgain, AStoneSeenFromBothSidesIsNotTakenForAnother) {
   const AlignedScene second = align_scene(views_of({stands}, cameras_around(4)));  // the other is lost
   ASSERT_EQ(first.segmentation.objects.size(), 2U);
   std::vector<StoneCandidate> candidates;
+  std::size_t lost = 0;
   for (int object = 0; object < 2; ++object) {
     StoneCandidate candidate;
     candidate.made_of = {{&first, object}};
@@ -169,15 +170,18 @@ TEST(ModelAgain, AStoneSeenFromBothSidesIsNotTakenForAnother) {
     candidate.stone = stone_of_model(candidate.model, candidate.made, {});
     candidate.T_W_O = candidate.stone.T_O_file.inverse();
     candidate.moved = candidate.T_W_O.translation().x() > 0.075;
-    if (candidate.moved)
+    if (candidate.moved) {
       candidate.p_W_seen = Eigen::Vector2d(0.08, 0.0);  // near the one that stands
-    else
+      lost = candidates.size();
+    } else {
       candidate.made_of.push_back(candidate.made_of.front());
+    }
     candidates.push_back(candidate);
   }
   model_again(second, layout_here(), {}, candidates);
-  for (const StoneCandidate& candidate : candidates)
-    EXPECT_EQ(candidate.moved, candidate.T_W_O.translation().x() > 0.075) << candidate.made.name;
+  EXPECT_TRUE(candidates[lost].moved) << "it is not where the other one stands";
+  EXPECT_EQ(candidates[lost].made_of.front().scene, &first);
+  EXPECT_FALSE(candidates[1 - lost].moved);
 }
 
 TEST(ModelAgain, AStoneThatIsNotSeenAnyMoreKeepsItsModelAndIsNotPlaced) {

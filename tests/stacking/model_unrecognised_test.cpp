@@ -134,7 +134,7 @@ TEST(ModelUnrecognised, AStoneInSightIsModelledWhereItStands) {
   }
 }
 
-/// It stands 0.2 rad beside how its model rests there, whose underside is a guess.
+/// It stands 0.4 rad beside how its model rests there, whose underside is a guess.
 TEST(ModelUnrecognised, AStoneOnAnotherGetsAnUndersideOnWhichItRests) {
   Catalogue known;
   known.stones.push_back(model_stone(make_box({0.09, 0.08, 0.05}), "base", "a box", {}).stone);
