@@ -243,6 +243,7 @@ Decision choose_action(const WorldEstimate& world, const RunMemory& memory, cons
     if (listener) listener(event);
   };
   Situation situation = make_situation(world, models, options, note);
+  // What turned out to be no stone just now: an object from the next observation on.
   std::erase_if(situation.arrangement.loose,
                 [&](const PlacedStone& loose) { return memory.disproved.contains(loose.stone); });
   decision.action = choose(situation, decision.memory);

@@ -168,7 +168,10 @@ void learn_from_weight(RunMemory& memory, const Attempt& attempt, const Models& 
   emit(StoneTooLight{index, *attempt.done.weight});
   memory.disproved.insert(index);
   memory.awaited.erase(index);
-  memory.last_seen.erase(index);
+  if (const auto seen = memory.last_seen.find(index); seen != memory.last_seen.end()) {
+    memory.p_W_objects.emplace_back(seen->second.head<2>());  // so that it is not modelled once more
+    memory.last_seen.erase(seen);
+  }
   memory.plan.reset();
 }
 
@@ -402,6 +405,16 @@ RunMemory remember_modelled(RunMemory memory, const ModelAnew& action,
   return memory;
 }
 
+namespace {
+
+/// Nothing that is no stone is expected to be seen as one: what lies there is an object then.
+void expect_no_disproved(Expectation& expected) {
+  std::erase_if(expected.loose,
+                [&](const StoneEstimate& stone) { return expected.disproved.contains(stone.stone); });
+}
+
+}  // namespace
+
 Expectation expected_after(const WorldEstimate& world, const RunMemory& memory, const Action& action) {
   Expectation expected;
   expected.site = world.site;
@@ -414,6 +427,7 @@ Expectation expected_after(const WorldEstimate& world, const RunMemory& memory, 
     expected.as_planned = std::holds_alternative<Place>(memory.attempt->action) &&
                           memory.attempt->done.status == Status::kReleased;
   }
+  expect_no_disproved(expected);
   if (std::holds_alternative<LookAgain>(action)) expected.views = world.views;
   return expected;
 }
@@ -428,6 +442,7 @@ Expectation expected_again(const WorldEstimate& world, const RunMemory& memory) 
   if (memory.attempt) return expected;
   expected.stack = world.stack;
   expected.loose = world.loose;
+  expect_no_disproved(expected);
   return expected;
 }
 

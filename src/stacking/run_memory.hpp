@@ -104,8 +104,7 @@ struct RunMemory {
   /// In a run whose stones nobody scanned: those that lie in the cell, as far as nothing else was modelled in
   /// their place
   std::set<StoneIndex> awaited;
-  std::set<StoneIndex>
-      disproved;  ///< another model takes the place of these: they rest otherwise than theirs
+  std::set<StoneIndex> disproved;  ///< no stones: another model takes their place, or they are too light
   std::set<StoneIndex> too_light;  ///< a pick of these brought up less than a stone weighs
   int modelled_anew = 0;           ///< stones in whose place something else was modelled, or sought
   /// Middles of what is no stone, seen from above, when all awaited stones were seen [m]

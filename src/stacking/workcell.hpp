@@ -32,7 +32,7 @@ struct Expectation {
   SiteStatus site = SiteStatus::kFree;
   FrictionEstimate friction;       ///< at whose frictions the stack is settled
   std::vector<StoneIndex> known;   ///< stones that were seen in this run
-  std::set<StoneIndex> disproved;  ///< stones that are not looked for: another model takes their place
+  std::set<StoneIndex> disproved;  ///< not looked for: another model takes their place, or they are no stones
   bool first = false;              ///< nothing was observed yet
   bool as_planned = false;         ///< a stone has just been released where it should be
   /// To which one more view is added from where the camera is, so that nothing moves; else null.

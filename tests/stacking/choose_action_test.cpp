@@ -317,6 +317,8 @@ TEST(ChooseAction, AnObjectThatTwiceWeighedTooLittleForStoneIsLeftWhereItLies) {
   EXPECT_FALSE(places_it(pick(1.0)));
   EXPECT_TRUE(state.memory.disproved.contains(light));
   EXPECT_FALSE(state.memory.last_seen.contains(light));
+  EXPECT_FALSE(holds(expected_again(state.world, state.memory).loose, light)) << "but for an object";
+  ASSERT_FALSE(state.memory.p_W_objects.empty());
 }
 
 TEST(ChooseAction, ObjectsThatLieThereWhileAllStonesAreSeenAreNoStones) {
