@@ -51,6 +51,12 @@ SearchContext make_context(const SearchProblem& problem, const SearchOptions& op
     }
   for (const PlacedStone& placed : problem.available)
     if (!in_stack(problem.stack, placed.stone)) context.available.push_back(placed);
+  if (problem.possible_shapes == nullptr) return context;
+  for (const ShapeList& shapes : *problem.possible_shapes) {
+    auto& geometry = context.possible_geometry.emplace_back(shapes.size());
+    for (const PlacedStone& placed : context.available)
+      if (const auto& shape = at(shapes, placed.stone)) at(geometry, placed.stone) = stone_geometry(*shape);
+  }
   return context;
 }
 
@@ -107,6 +113,10 @@ void check_options(const SearchOptions& options) {
 void check_problem(const SearchProblem& problem, const SearchOptions& options) {
   require(problem.shapes != nullptr, "search problem has no shapes");
   check_options(options);
+  if (problem.possible_shapes != nullptr)
+    for (const ShapeList& shapes : *problem.possible_shapes)
+      require(shapes.size() == problem.shapes->size(), "a list of possible shapes has ", shapes.size(),
+              " shapes, not ", problem.shapes->size());
   require(problem.site.allFinite(), "site must be finite, got ", problem.site.transpose());
   check_placed(problem.stack.stones, problem.shapes->size(), "stack");
   check_placed(problem.available, problem.shapes->size(), "available stones");

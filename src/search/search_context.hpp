@@ -9,9 +9,11 @@ struct SearchContext {
   const SearchProblem* problem = nullptr;
   const SearchOptions* options = nullptr;
   std::vector<StoneGeometry> geometry;  ///< one for each shape
-  Stack stack;                          ///< as it stands after a check, perhaps a little moved
-  std::vector<PlacedStone> available;   ///< without the stones of the stack
-  bool tower = true;  ///< a stone touches those next to it in the stack alone; false: a wall
+  /// Of the loose stones, for each list of SearchProblem::possible_shapes; empty where that has no shape
+  std::vector<std::vector<StoneGeometry>> possible_geometry;
+  Stack stack;                         ///< as it stands after a check, perhaps a little moved
+  std::vector<PlacedStone> available;  ///< without the stones of the stack
+  bool tower = true;                   ///< a stone touches those next to it in the stack alone; false: a wall
   Stopwatch watch;
   std::function<void(const std::string&)> report;
 

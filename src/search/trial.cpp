@@ -18,7 +18,7 @@ constexpr double kNearlyStill =
     1e-6;                   ///< motion in 0.1 s [m]: 2 % of what a stone may move in displaced worlds
 constexpr int kFewer = 50;  ///< iterations, in displaced worlds
 
-/// How a placement fares where it is displaced and centres of mass are not where they seem.
+/// How a placement fares where it is displaced, and shapes and centres of mass are not what they seem.
 enum class Fate { kOutlasts, kStands, kFalls, kUndecidable };
 
 Stack with(const Stack& stack, StoneIndex stone, const Pose& T_W_O) {
@@ -27,20 +27,42 @@ Stack with(const Stack& stack, StoneIndex stone, const Pose& T_W_O) {
   return higher;
 }
 
+/// The shapes of a world, and the geometry of the stone that is placed in it.
+struct Shapes {
+  ShapeList list;
+  const StoneGeometry* placed = nullptr;
+};
+
+Shapes shapes_as_known(const SearchContext& context, StoneIndex stone) {
+  return {context.shapes(), &at(context.geometry, stone)};
+}
+
+/// In the k-th of the worlds the placed stone has one of the shapes that it may have.
+Shapes possible_shapes(const SearchContext& context, StoneIndex stone, int k) {
+  Shapes shapes = shapes_as_known(context, stone);
+  if (context.possible_geometry.empty()) return shapes;
+  const std::size_t draw = static_cast<std::size_t>(k) % context.possible_geometry.size();
+  const auto& shape = at((*context.problem->possible_shapes)[draw], stone);
+  if (!shape) return shapes;
+  at(shapes.list, stone) = shape;
+  shapes.placed = &at(context.possible_geometry[draw], stone);
+  return shapes;
+}
+
 /// A proposed pose lifted to just above the first touch.
-Pose lifted(const SearchContext& context, const Stack& below, StoneIndex stone, const Pose& T_W_O) {
-  BodyPose body = body_pose(at(context.geometry, stone), T_W_O);
+Pose lifted(const SearchContext& context, const Stack& below, const StoneGeometry& stone, const Pose& T_W_O) {
+  BodyPose body = body_pose(stone, T_W_O);
   body.p_W_M.z() = resting_height(bodies_of(context, below), body) + kDrop;
   return stone_pose(body);
 }
 
-SettleResult lowered(const SearchContext& context, const Stack& below, StoneIndex stone, const Pose& T_W_O,
-                     const Eigen::Vector3d& com_error_O = Eigen::Vector3d::Zero()) {
+SettleResult lowered(const SearchContext& context, const Shapes& shapes, const Stack& below, StoneIndex stone,
+                     const Pose& T_W_O, const Eigen::Vector3d& com_error_O = Eigen::Vector3d::Zero()) {
   SettleOptions options;
   options.world.friction = context.options->friction;
   options.com_error_O = com_error_O;
   options.any_support = !context.tower;
-  return settle(context.shapes(), below, stone, lifted(context, below, stone, T_W_O), options);
+  return settle(shapes.list, below, stone, lifted(context, below, *shapes.placed, T_W_O), options);
 }
 
 Eigen::Vector3d com_of(const SearchContext& context, const PlacedStone& placed) {
@@ -109,8 +131,8 @@ StandOptions displaced_verdict(const SearchContext& context, const Stack& stack,
 }
 
 /// Does a stack stand in the k-th of the worlds?
-bool stands(const SearchContext& context, const Stack& stack, int k) {
-  const StandVerdict verdict = judge_stack(context.shapes(), stack, displaced_verdict(context, stack, k));
+bool stands(const SearchContext& context, const ShapeList& shapes, const Stack& stack, int k) {
+  const StandVerdict verdict = judge_stack(shapes, stack, displaced_verdict(context, stack, k));
   return verdict.stands && (verdict.clean || !context.tower);
 }
 
@@ -119,17 +141,18 @@ bool stands(const SearchContext& context, const Stack& stack, int k) {
 Fate try_world(const SearchContext& context, const Candidate& candidate, int k) {
   const Stack& below = *candidate.below;
   const Trial& trial = *candidate.trial;
+  const Shapes shapes = possible_shapes(context, trial.stone, k);
   const SettleResult at_rest =
-      lowered(context, below, trial.stone, displaced(context, trial.stone, trial.placement.T_W_O, k),
+      lowered(context, shapes, below, trial.stone, displaced(context, trial.stone, trial.placement.T_W_O, k),
               com_error(context, trial.stone, k));
   const Stack higher = with(below, trial.stone, at_rest.T_W_O);
-  if (at_rest.rests && stands(context, higher, k)) {
+  if (at_rest.rests && stands(context, shapes.list, higher, k)) {
     if (!candidate.shake) return Fate::kStands;
-    const int left = standing_when_shaken(context.shapes(), higher, displaced_verdict(context, higher, k));
+    const int left = standing_when_shaken(shapes.list, higher, displaced_verdict(context, higher, k));
     return left == static_cast<int>(higher.stones.size()) ? Fate::kOutlasts : Fate::kStands;
   }
   const bool com_may_err = context.options->com_sigma > 0.0 && !below.stones.empty();
-  return com_may_err && !stands(context, below, k) ? Fate::kUndecidable : Fate::kFalls;
+  return com_may_err && !stands(context, context.shapes(), below, k) ? Fate::kUndecidable : Fate::kFalls;
 }
 
 Trial dropped(Trial trial, const std::string& why) {
@@ -141,7 +164,8 @@ Trial dropped(Trial trial, const std::string& why) {
 }  // namespace
 
 Trial settled_trial(const SearchContext& context, const Stack& below, Trial trial) {
-  const SettleResult at_rest = lowered(context, below, trial.stone, trial.T_W_O);
+  const SettleResult at_rest =
+      lowered(context, shapes_as_known(context, trial.stone), below, trial.stone, trial.T_W_O);
   trial.placement.T_W_O = at_rest.T_W_O;
   if (!at_rest.rests) return dropped(std::move(trial), concat("does not come to rest: ", at_rest.reason));
   EquilibriumOptions statics;

@@ -42,7 +42,8 @@ struct Candidate {
   bool shake = false;  ///< the tower is finished and to outlast a shake
 };
 /// Tries each in worlds 0 to `worlds` - 1 (those it was not tried in yet), all at once: placements displaced
-/// by the placement uncertainty, centres of mass by theirs. Every trial meets the same worlds.
+/// by the placement uncertainty, centres of mass by theirs, the placed stone with a shape that it may have.
+/// Every trial meets the same worlds.
 /// @return the trials in the same order, with `predicted_success`; dropped if they stand too seldom.
 [[nodiscard]] std::vector<Trial> predicted_trials(const SearchContext& context,
                                                   std::span<const Candidate> candidates, int worlds);

@@ -213,7 +213,8 @@ const Stone& Models::stone(StoneIndex stone) const {
 
 Models make_models(const Catalogue& catalogue, const RobotModel& robot, const CellLayout& layout,
                    const std::string& wall) {
-  Models models{&catalogue, &robot, make_contact_shapes(catalogue.stones), {}, std::nullopt};
+  Models models{&catalogue, &robot,       make_contact_shapes(catalogue.stones),
+                {},         std::nullopt, make_possible_shapes(catalogue.stones)};
   if (!wall.empty()) models.wall = read_wall_target(wall);
   const GripperModel gripper = gripper_of(layout);
   for (const Stone& stone : catalogue.stones)

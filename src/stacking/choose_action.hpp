@@ -17,6 +17,8 @@ struct Models {
   ShapeList shapes;
   std::vector<std::string> unfit;  ///< why the gripper can hold a stone in no pose; empty: it can
   std::optional<WallTarget> wall;  ///< wall that is built; empty: a tower
+  std::vector<ShapeList> possible_shapes =
+      {};  ///< that stones may have which were modelled from views; empty: none was
 
   [[nodiscard]] const std::string& name(StoneIndex stone) const;
   [[nodiscard]] const Stone& stone(StoneIndex stone) const;

@@ -333,6 +333,7 @@ SearchProblem make_problem(const Situation& s, const RunMemory& memory, const Ar
                            const std::shared_ptr<Reach>& reach, Route route) {
   SearchProblem problem;
   problem.shapes = &s.models.shapes;
+  problem.possible_shapes = &s.models.possible_shapes;
   problem.stack.stones = arrangement.stack;
   problem.site = s.world.layout.site;
   for (const PlacedStone& loose : arrangement.loose)

@@ -118,6 +118,7 @@ FrictionEstimate learn_from_fall(const FrictionEstimate& friction, const Attempt
                                  const BuildOptions& options) {
   SearchProblem problem;
   problem.shapes = &models.shapes;
+  problem.possible_shapes = &models.possible_shapes;
   problem.stack.stones = attempt.below;
   problem.site = seen.layout.site;
   const PlacedStone stone{attempt.placement.stone, attempt.placement.T_W_O};

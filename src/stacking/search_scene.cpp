@@ -27,18 +27,23 @@ std::string names(const Catalogue& catalogue, const std::vector<PlacedStone>& st
   return list;
 }
 
-/// Contact shapes of these stones alone.
-std::shared_ptr<const ShapeList> shapes_of(const Catalogue& catalogue,
-                                           const std::vector<StoneIndex>& wanted) {
-  std::vector<StoneIndex> indices = wanted;
+/// The problem's shapes: of these stones alone.
+void set_shapes(const Catalogue& catalogue, std::vector<StoneIndex> indices, SearchStart& start) {
   std::sort(indices.begin(), indices.end());
   indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
   std::vector<Stone> stones;
   for (const StoneIndex i : indices) stones.push_back(catalogue[i]);
-  const ShapeList made = make_contact_shapes(stones);
-  ShapeList shapes(catalogue.stones.size());
-  for (std::size_t i = 0; i < indices.size(); ++i) at(shapes, indices[i]) = made[i];
-  return std::make_shared<const ShapeList>(std::move(shapes));
+  const auto by_index = [&](const ShapeList& made) {
+    ShapeList shapes(catalogue.stones.size());
+    for (std::size_t i = 0; i < indices.size(); ++i) at(shapes, indices[i]) = made[i];
+    return shapes;
+  };
+  start.shapes = std::make_shared<const ShapeList>(by_index(make_contact_shapes(stones)));
+  start.problem.shapes = start.shapes.get();
+  std::vector<ShapeList> possible;
+  for (const ShapeList& made : make_possible_shapes(stones)) possible.push_back(by_index(made));
+  start.possible_shapes = std::make_shared<const std::vector<ShapeList>>(std::move(possible));
+  start.problem.possible_shapes = start.possible_shapes.get();
 }
 
 std::vector<StoneIndex> indices_of(const std::vector<PlacedStone>& stones) {
@@ -50,8 +55,7 @@ std::vector<StoneIndex> indices_of(const std::vector<PlacedStone>& stones) {
 void add_shapes(const Catalogue& catalogue, SearchStart& start) {
   std::vector<StoneIndex> wanted = indices_of(start.problem.stack.stones);
   for (const StoneIndex i : indices_of(start.problem.available)) wanted.push_back(i);
-  start.shapes = shapes_of(catalogue, wanted);
-  start.problem.shapes = start.shapes.get();
+  set_shapes(catalogue, std::move(wanted), start);
 }
 
 SearchStart start_from_names(const SceneSearchTask& input, const Catalogue& catalogue) {
@@ -197,15 +201,14 @@ void set_stack(const SceneSearchTask& input, const Catalogue& catalogue,
   start.problem.site = *site;
 }
 
-/// The stones that were detected, in order, with their shapes.
-std::vector<PlacedStone> set_shapes(const Catalogue& catalogue, const DetectionResult& seen,
-                                    const Pose& T_W_C, SearchStart& start) {
+/// The stones that were detected, in order; sets their shapes.
+std::vector<PlacedStone> placed_stones(const Catalogue& catalogue, const DetectionResult& seen,
+                                       const Pose& T_W_C, SearchStart& start) {
   std::vector<PlacedStone> placed;
   for (const auto& found : seen.detections) placed.push_back({found.stone, T_W_C * found.T_C_O});
   std::sort(placed.begin(), placed.end(),
             [](const PlacedStone& a, const PlacedStone& b) { return a.stone < b.stone; });
-  start.shapes = shapes_of(catalogue, indices_of(placed));
-  start.problem.shapes = start.shapes.get();
+  set_shapes(catalogue, indices_of(placed), start);
   return placed;
 }
 
@@ -224,12 +227,12 @@ SearchStart start_from_view(const SceneSearchTask& input, const Catalogue& catal
     throw Error(input.scene + ": nothing detected: " + seen.note, ExitCode::kNothingDetected);
   const Pose T_W_C = start.T_W_C ? *start.T_W_C : *view.T_W_C;
   const TableView table = table_C ? view_of_table(view.image, *table_C, T_W_C, options) : TableView{};
-  std::vector<PlacedStone> placed = set_shapes(catalogue, seen, T_W_C, start);
+  std::vector<PlacedStone> placed = placed_stones(catalogue, seen, T_W_C, start);
   if (!find_stack(*start.shapes, placed, std::nullopt, table.above_W).note.empty()) {
     log_info("what was found does not stand by itself; detecting what is missing");
     const DetectionResult all = detect_missing(view.image, models, seen, options);
     SearchStart again = start;
-    const std::vector<PlacedStone> more = set_shapes(catalogue, all, T_W_C, again);
+    const std::vector<PlacedStone> more = placed_stones(catalogue, all, T_W_C, again);
     if (find_stack(*again.shapes, more, std::nullopt, table.above_W).note.empty())
       placed = more, start = std::move(again);
   }

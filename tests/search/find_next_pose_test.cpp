@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <set>
@@ -116,6 +117,34 @@ TEST(FindNextPose, CountsThatCentresOfMassAreNotKnownExactly) {
   const PlacedStone top{2_stone, at(0.085, 0, 0.13)};
   EXPECT_EQ(predicted(problem, top, 0.0), 1.0);
   EXPECT_LT(predicted(problem, top, 0.003), 0.95);
+}
+
+TEST(FindNextPose, CountsThatSurfacesAreNotKnownExactly) {
+  // The box balances 3 mm inside the edge of the base.
+  std::vector<Stone> stones(2);
+  const std::array sizes{Eigen::Vector3d(0.12, 0.11, 0.06), Eigen::Vector3d(0.10, 0.09, 0.05)};
+  for (std::size_t i = 0; i < stones.size(); ++i) {
+    stones[i].name = i == 0 ? "base" : "box";
+    stones[i].scan = make_box(sizes[i]);
+    stones[i].mass = mass_properties(stones[i].scan, 2600.0);
+  }
+  const ShapeList shapes = make_contact_shapes(stones);
+  SearchProblem problem;
+  problem.shapes = &shapes;
+  problem.stack.stones = {{0_stone, at(0, 0, 0.03)}};
+  problem.available = {{1_stone, at(0.4, 0, 0.025)}};
+  const PlacedStone next{1_stone, at(0.057, 0, 0.085)};
+  EXPECT_TRUE(make_possible_shapes(stones, 16).empty());
+  EXPECT_EQ(predicted(problem, next, 0.0), 1.0);
+  const std::vector<double> sigma(stones[1].scan.vertices.size(), 0.004);
+  stones[1].surface = SurfaceKnowledge{sigma, std::vector<char>(sigma.size(), 0), {}};
+  const std::vector<ShapeList> possible = make_possible_shapes(stones, 16);
+  ASSERT_EQ(possible.size(), 16U);
+  EXPECT_EQ(possible.front()[0], nullptr);  // known as it is
+  problem.possible_shapes = &possible;
+  const double success = predicted(problem, next, 0.0);
+  EXPECT_LT(success, 0.95);
+  EXPECT_GT(success, 0.1);
 }
 
 TEST(FindNextPose, BlamesNoStoneForAStackThatFallsWithoutIt) {

@@ -16,6 +16,11 @@ using ShapeList = std::vector<std::shared_ptr<const ContactShape>>;
 /// Contact shapes of the stones' scans, made in parallel.
 /// @throws InvalidArgument for a scan that is not closed and for a mass that is not possible.
 [[nodiscard]] ShapeList make_contact_shapes(const std::vector<Stone>& stones);
+/// Contact shapes that the stones may have instead, as well as their surfaces are known (`Stone::surface`):
+/// `count` draws in the order of the stones, null for a stone that is known as it is.
+/// @return empty where all are
+/// @throws InvalidArgument as `make_contact_shapes`.
+[[nodiscard]] std::vector<ShapeList> make_possible_shapes(const std::vector<Stone>& stones, int count = 8);
 
 /// Stones stacked from the table up: stones[0] lies on the table, stones[i] on stones[i-1]. Indices into a
 /// ShapeList.

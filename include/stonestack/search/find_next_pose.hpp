@@ -104,7 +104,11 @@ struct Placement {
 /// Stack, loose stones and site of a search.
 struct SearchProblem {
   const ShapeList* shapes =
-      nullptr;                    ///< contact shapes of all stones, in the order of the catalogue; required
+      nullptr;  ///< contact shapes of all stones, in the order of the catalogue; required
+  /// Shapes that a stone may have instead (physics::make_possible_shapes): in the k-th displaced world the
+  /// stone that is placed has that of the k-th list, modulo their number; what stands keeps `shapes`. May be
+  /// null, and so may each shape.
+  const std::vector<ShapeList>* possible_shapes = nullptr;
   Stack stack;                    ///< what stands (measured)
   bool stack_is_at_rest = false;  ///< it stands as it is at the friction of the options: not settled again
   std::vector<PlacedStone>

@@ -42,7 +42,8 @@ struct SceneSearchTask {
 /// A search problem with the frame that it is stated in.
 struct SearchStart {
   std::shared_ptr<const ShapeList> shapes;  ///< of the stones that occur, by catalogue index; others are null
-  SearchProblem problem;                    ///< stack, loose stones and site
+  std::shared_ptr<const std::vector<ShapeList>> possible_shapes;  ///< SearchProblem::possible_shapes
+  SearchProblem problem;                                          ///< stack, loose stones and site
   /// Definition of W: cell (nothing was seen), scene_file, camera_pose, world_cloud, or table (found in a
   /// view); unknown before the input was read.
   std::string frame = "unknown";
