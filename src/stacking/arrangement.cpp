@@ -19,17 +19,6 @@ const ContactShape& shape_of(const ShapeList& shapes, StoneIndex stone) {
   return *at(shapes, stone);
 }
 
-/// Does a stone at that pose rest over `below`, by geometry alone: clear of the table, its centre over the
-/// other's extent?
-bool rests_over(const ShapeList& shapes, const PlacedStone& upper, const PlacedStone& below) {
-  const auto& shape = shape_of(shapes, upper.stone);
-  const auto& base = shape_of(shapes, below.stone);
-  const Eigen::Vector3d com = upper.T_W_O * shape.mass.p_O_M;
-  const Eigen::Vector3d com_below = below.T_W_O * base.mass.p_O_M;
-  return lowest(shape, upper.T_W_O) > kAboveTable && com.z() > com_below.z() &&
-         (com - com_below).head<2>().norm() < base.radius;
-}
-
 std::vector<Sighting>::iterator find(std::vector<Sighting>& sightings, StoneIndex stone) {
   return std::find_if(sightings.begin(), sightings.end(),
                       [&](const Sighting& s) { return s.stone == stone; });
@@ -80,14 +69,18 @@ bool carries_something(const ShapeList& shapes, const std::vector<Sighting>& sig
 
 /// The stack from the table up; what belongs to it is taken out of `left`.
 std::vector<MeasuredStone> stack_in(const ShapeList& shapes, const Eigen::Vector2d& site,
-                                    const std::vector<StoneEstimate>& expected, std::vector<Sighting>& left) {
+                                    const std::vector<StoneEstimate>& expected,
+                                    const std::function<bool(const PlacedStone&)>& refuted,
+                                    std::vector<Sighting>& left) {
   std::vector<MeasuredStone> stack;
   for (std::size_t i = 0; i < expected.size(); ++i) {
     const StoneEstimate& before = expected[i];
     const auto found = find(left, before.stone);
     if (found == left.end()) {
-      // Hidden by what stands on it, or gone: it is there if something still stands on it.
-      if (!something_stands_on(shapes, left, expected, i)) break;
+      // Hidden, not recognised, or gone.
+      if (!something_stands_on(shapes, left, expected, i) &&
+          (!refuted || refuted({before.stone, before.T_W_O_at_rest})))
+        break;
       stack.push_back({before, false});
       continue;
     }
@@ -141,13 +134,23 @@ std::vector<MeasuredStone> wall_in(const ShapeList& shapes, const std::vector<St
 
 }  // namespace
 
+bool rests_over(const ShapeList& shapes, const PlacedStone& upper, const PlacedStone& below) {
+  const auto& shape = shape_of(shapes, upper.stone);
+  const auto& base = shape_of(shapes, below.stone);
+  const Eigen::Vector3d com = upper.T_W_O * shape.mass.p_O_M;
+  const Eigen::Vector3d com_below = below.T_W_O * base.mass.p_O_M;
+  return lowest(shape, upper.T_W_O) > kAboveTable && com.z() > com_below.z() &&
+         (com - com_below).head<2>().norm() < base.radius;
+}
+
 StoneEstimates estimate_stones(const ShapeList& shapes, const CellLayout& layout,
                                const std::vector<StoneEstimate>& expected,
-                               const std::vector<Sighting>& sightings, const BuildOptions& options) {
+                               const std::vector<Sighting>& sightings, const BuildOptions& options,
+                               const std::function<bool(const PlacedStone&)>& refuted) {
   std::vector<Sighting> left = sightings;
   const bool tower = options.wall.empty();
-  std::vector<MeasuredStone> measured =
-      tower ? stack_in(shapes, layout.site, expected, left) : wall_in(shapes, expected, left, options);
+  std::vector<MeasuredStone> measured = tower ? stack_in(shapes, layout.site, expected, refuted, left)
+                                              : wall_in(shapes, expected, left, options);
   if (!options.measure_placed)
     for (MeasuredStone& stone : measured)
       for (const StoneEstimate& meant : expected)

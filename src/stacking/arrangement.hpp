@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,15 +14,22 @@ namespace stonestack::stacking {
 
 /// Stack and loose stones, from what was seen and what was expected. A stone belongs to the stack if it was
 /// expected there and rests over the stone below by geometry; a stone of the stack that did not move keeps
-/// its estimate (no random walk of the base, no uncertainty about half-hidden stones). The stack is settled
-/// (settle_stack.hpp) at `options.max_friction`.
+/// its estimate (no random walk of the base, no uncertainty about half-hidden stones). One that is not
+/// recognised stays where it was expected if something recognised rests on it, or unless its place is
+/// refuted. The stack is settled (settle_stack.hpp) at `options.max_friction`.
 struct StoneEstimates {
   std::vector<StoneEstimate> stack, loose;
 };
+/// @param refuted does what is seen show that a stone is not there? Empty: it does for every stone that is
+/// not recognised
 [[nodiscard]] StoneEstimates estimate_stones(const ShapeList& shapes, const CellLayout& layout,
                                              const std::vector<StoneEstimate>& expected,
                                              const std::vector<Sighting>& sightings,
-                                             const BuildOptions& options = {});
+                                             const BuildOptions& options = {},
+                                             const std::function<bool(const PlacedStone&)>& refuted = {});
+/// Does a stone at that pose rest over `below`, by geometry alone: clear of the table, its centre over the
+/// other's extent?
+[[nodiscard]] bool rests_over(const ShapeList& shapes, const PlacedStone& upper, const PlacedStone& below);
 
 /// A box over the field where stones of unknown place may lie, before the first view.
 [[nodiscard]] SceneObject unseen_field(const CellLayout& layout);

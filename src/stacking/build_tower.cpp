@@ -154,6 +154,18 @@ Known observe_again(Workcell& w, ResumePoint point, const ResumeWriter& resume, 
   return observe_and_learn(w, expected, std::move(memory), resume);
 }
 
+/// Expects what was modelled where it was seen: in the field, or on the tower if it came to rest there.
+void expect_modelled(const ShapeList& shapes, const std::vector<PlacedStone>& modelled,
+                     Expectation& expected) {
+  for (const StoneEstimate& stone : as_estimates(modelled)) {
+    const PlacedStone seen{stone.stone, stone.T_W_O_at_rest};
+    const bool stacked =
+        !expected.stack.empty() &&
+        rests_over(shapes, seen, {expected.stack.back().stone, expected.stack.back().T_W_O_at_rest});
+    (stacked ? expected.stack : expected.loose).push_back(stone);
+  }
+}
+
 /// Models what may be stones that are lost, adds it to the stones of the run, and observes.
 Known model_and_observe(Workcell& w, const ModelAnew& action, const ResumeWriter& resume, Journal* journal,
                         const Known& known, const RunMemory& chosen) {
@@ -170,7 +182,7 @@ Known model_and_observe(Workcell& w, const ModelAnew& action, const ResumeWriter
   Expectation expected = expected_again(known.world, memory);
   const std::vector<StoneEstimate> lying = as_estimates(modelled);
   if (!action.in_sight)
-    expected.loose.insert(expected.loose.end(), lying.begin(), lying.end());
+    expect_modelled(w.models.shapes, modelled, expected);
   else if (!lying.empty())
     std::replace_if(
         expected.stack.begin(), expected.stack.end(),

@@ -9,6 +9,7 @@
 #include "stacking/next_view.hpp"
 #include "stacking/push_free.hpp"
 #include "stacking/settle_stack.hpp"
+#include "stacking/unknown_objects.hpp"
 #include "stacking/unstack_depth.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/motion/planning_scene.hpp"
@@ -131,6 +132,16 @@ std::optional<Action> clear_base(const Situation& s, RunMemory& memory) {
   return unstack_top(s, *memory.unstacking);
 }
 
+/// Nothing is set down on what is not recognised.
+std::optional<Stop> stop_at_blocked_site(const Situation& s) {
+  if (!s.arrangement.stack.empty()) return std::nullopt;
+  for (const Obstacle& obstacle : s.world.layout.obstacles)
+    if (ground_of(obstacle).contains(s.world.layout.site))
+      return Stop{RunEnd::kNoPose,
+                  concat(obstacle.name, " lies at the site, where nothing can be built now: clear the site")};
+  return std::nullopt;
+}
+
 std::optional<Stop> stop_when_done(const Situation& s, const RunMemory& memory) {
   if (wall_has_its_stones(s)) return wall_stands(s);
   if (s.arrangement.loose.empty()) {
@@ -192,6 +203,7 @@ Action choose(const Situation& s, RunMemory& memory) {
   if (const auto action = model_top(s, memory)) return *action;
   if (const auto action = clear_base(s, memory)) return *action;
   if (const auto stop = stop_when_done(s, memory)) return *stop;
+  if (const auto stop = stop_at_blocked_site(s)) return *stop;
   if (const auto push = push_free(s, memory, Neighbours::kLasting)) return *push;
   do {
     if (const auto action = choose_placement(s, memory)) return *action;

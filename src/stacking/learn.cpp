@@ -421,12 +421,16 @@ Expectation expected_after(const WorldEstimate& world, const RunMemory& memory, 
   expected.site = world.site;
   expected.friction = memory.friction;
   expected.disproved = memory.disproved;
+  expected.was_built = (memory.attempt && std::holds_alternative<Place>(memory.attempt->action)) ||
+                       std::any_of(memory.records.begin(), memory.records.end(),
+                                   [](const PlacementRecord& record) { return record.level > 0; });
   for (const auto& [stone, p_W] : memory.last_seen) expected.known.push_back(stone);
   if (memory.attempt) {
     expected.stack = memory.attempt->expected_stack;
     expected.loose = memory.attempt->expected_loose;
     expected.as_planned = std::holds_alternative<Place>(memory.attempt->action) &&
                           memory.attempt->done.status == Status::kReleased;
+    expected.new_top = expected.stack.size() > memory.attempt->below.size();
   }
   expect_no_disproved(expected);
   if (std::holds_alternative<LookAgain>(action)) expected.views = world.views;

@@ -199,6 +199,7 @@ class Modeller {
     describe_model(candidate);
     candidate.made.note = "modelled from one side while the run went on";
     candidate.made.T_W_O = candidate.stone.T_O_file.inverse();
+    known_W_.push_back(transformed(candidate.stone.mesh, *candidate.made.T_W_O));
     field.stones.push_back(std::move(candidate.made));
     field.catalogue.stones.push_back(std::move(candidate.stone));
     return {};

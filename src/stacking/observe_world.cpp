@@ -5,6 +5,7 @@
 #include "stacking/arrangement.hpp"
 #include "stacking/camera_kept.hpp"
 #include "stacking/constants.hpp"
+#include "stacking/refuted_place.hpp"
 #include "stacking/unknown_objects.hpp"
 #include "stacking/workcell.hpp"
 #include "stonestack/core/clock.hpp"
@@ -155,6 +156,8 @@ Seen take_views(Workcell& w, const Expectation& expected, const WhileMoving& whi
     if (expected.first && w.options.refine_camera)
       seen.before = refine_camera(w, expected.friction, seen.views, keep_prediction);
     if (expected.first) seen.site = view_site(w, seen.views);
+    if (expected.was_built)  // what fell may lie at the site and not be recognised
+      seen.views.push_back(view_along(w, route_to(w, scene, poses(w.cell.layout.site, kSiteViewHeight))));
     return seen;
   }
   // The tower first: what comes next depends on it, and the field rarely shows anything new.
@@ -188,9 +191,13 @@ Observation observe(Workcell& w, const Expectation& expected, const WhileMoving&
     drop_known_objects(w.models.shapes, expected.known,
                        std::span(w.cell.layout.obstacles).subspan(w.stated_obstacles.size()), sightings);
   const bool found_stack = expected.first && seen.site == SiteStatus::kOccupied;
+  const auto refuted = [&](const PlacedStone& stone) {
+    const bool is_new = expected.new_top && stone.stone == expected.stack.back().stone;
+    return is_new || is_refuted(seen.views, w.models.stone(stone.stone).mesh, stone.T_W_O);
+  };
   StoneEstimates stones =
       estimate_stones(w.models.shapes, w.cell.layout, found_stack ? stack_seen(w, sightings) : expected.stack,
-                      sightings, w.options);
+                      sightings, w.options, refuted);
   Observation observation;
   WorldEstimate& world = observation.world;
   world.stack = std::move(stones.stack);
@@ -201,9 +208,7 @@ Observation observe(Workcell& w, const Expectation& expected, const WhileMoving&
       for (const Sighting& sighting : sightings)
         if (sighting.stone == stone.stone && sighting.T_W_O.isApprox(stone.T_W_O_seen, 1e-9))
           stone.sigma = sighting.sigma;
-  std::vector<PlacedStone> found;
-  for (const Sighting& sighting : sightings) found.push_back({sighting.stone, sighting.T_W_O});
-  set_unknown_objects(w, unknown_objects(w, seen.views, found));
+  set_unknown_objects(w, unknown_objects(w, seen.views, world));
   world.layout = w.cell.layout;
   check_camera_kept(w, expected, world, seen.views.front());
   world.views = std::make_shared<const Views>(std::move(seen.views));

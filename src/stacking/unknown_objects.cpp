@@ -117,11 +117,14 @@ std::vector<Obstacle> objects_above_table(const Views& views, const DetectionOpt
   return obstacles;
 }
 
-std::vector<Obstacle> unknown_objects(const Workcell& w, const Views& views,
-                                      const std::vector<PlacedStone>& stones) {
+std::vector<Obstacle> unknown_objects(const Workcell& w, const Views& views, const WorldEstimate& world) {
+  std::vector<PlacedStone> stones;
+  for (const auto* list : {&world.stack, &world.loose})
+    for (const StoneEstimate& stone : *list) stones.push_back({stone.stone, stone.T_W_O_seen});
   std::vector<Obstacle> obstacles;
   for (const UnknownThing& thing : things_in(w, views, stones))
-    if ((thing.p_W - w.cell.layout.site).norm() > kAtSite) add_thing(obstacles, "unknown object", thing);
+    if (world.stack.empty() || (thing.p_W - w.cell.layout.site).norm() > kAtSite)
+      add_thing(obstacles, "unknown object", thing);
   return obstacles;
 }
 

@@ -9,10 +9,11 @@
 namespace stonestack::stacking {
 
 /// Obstacles for what the views show above the table that belongs to none of the stones: an upright prism
-/// with sixteen sides about what is seen of each, from the table up. What stands at the site is left to those
-/// who look at the tower.
+/// with sixteen sides about what is seen of each, from the table up. What stands at the site of a tower is
+/// left to those who look at the tower; where none stands, it is an obstacle, too.
+/// @param world stones that were recognised; one that was seen to float is none of them
 [[nodiscard]] std::vector<Obstacle> unknown_objects(const Workcell& workcell, const Views& views,
-                                                    const std::vector<PlacedStone>& stones);
+                                                    const WorldEstimate& world);
 
 /// Things that the views show above the table and that belong to none of the stones, beside the tower too;
 /// the largest first. Not what is beyond the reach of what falls off the tower, or at the robot's base.

@@ -35,6 +35,8 @@ struct Expectation {
   std::set<StoneIndex> disproved;  ///< not looked for: another model takes their place, or they are no stones
   bool first = false;              ///< nothing was observed yet
   bool as_planned = false;         ///< a stone has just been released where it should be
+  bool new_top = false;            ///< the top stone was not part of the stack before
+  bool was_built = false;          ///< a stone was brought to the site, where something may lie now
   /// To which one more view is added from where the camera is, so that nothing moves; else null.
   std::shared_ptr<const Views> views;
 };

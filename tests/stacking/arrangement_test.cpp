@@ -75,6 +75,19 @@ TEST(EstimateStones, AStoneOnTheTableHasFallen) {
   EXPECT_EQ(stones.loose[0].stone, 1_stone);
 }
 
+TEST(EstimateStones, AHiddenStoneStaysWhereItsPlaceIsNotRefuted) {
+  const std::vector<PlacedStone> expected{{0_stone, on_site(0.025)}, {1_stone, on_site(0.075)}};
+  const auto stones = [&](StoneIndex gone) {
+    return estimate_stones(slabs(), {}, as_estimates(expected), {}, {},
+                           [=](const PlacedStone& stone) { return stone.stone == gone; });
+  };
+  EXPECT_TRUE(estimate(expected, {}).stack.empty()) << "nothing says that they are there";
+  ASSERT_EQ(stones(1_stone).stack.size(), 1U);
+  EXPECT_LT(difference(stones(1_stone).stack[0].T_W_O_at_rest, expected[0].T_W_O).translation, 1e-9);
+  EXPECT_TRUE(stones(0_stone).stack.empty()) << "nothing floats";
+  EXPECT_EQ(stones(2_stone).stack.size(), 2U);
+}
+
 TEST(EstimateStones, StonesOfAWallStandBesideAndOnEachOther) {
   BuildOptions wall;
   wall.wall = "2+1";

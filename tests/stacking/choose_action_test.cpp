@@ -158,6 +158,26 @@ TEST(ChooseAction, WithoutAStoneInSightARunEnds) {
   EXPECT_EQ(std::get<Stop>(decision.action).end, RunEnd::kNothingSeen);
 }
 
+TEST(ChooseAction, NothingIsSetDownOnWhatIsNotRecognised) {
+  State state = read("place");
+  Obstacle object;
+  object.name = "unknown object 1";
+  object.pieces = {make_box({0.10, 0.10, 0.08})};
+  const Eigen::Vector2d site = state.world.layout.site;
+  object.T_W_O = make_pose({site.x() + 0.02, site.y(), 0.04});
+  state.world.layout.obstacles = {object};
+  ASSERT_FALSE(std::holds_alternative<Stop>(decide(state).action)) << "a tower stands there";
+  state.world.stack.clear();
+  add_resting_stacks(models(), state.options, state.memory.friction, state.world);
+  const Decision decision = decide(state);
+  const auto* stop = std::get_if<Stop>(&decision.action);
+  ASSERT_NE(stop, nullptr) << name_of(decision.action);
+  EXPECT_EQ(stop->end, RunEnd::kNoPose);
+  EXPECT_NE(stop->reason.find("unknown object 1 lies at the site"), std::string::npos) << stop->reason;
+  state.world.layout.obstacles.front().T_W_O = make_pose({site.x(), site.y() - 0.5, 0.04});
+  EXPECT_FALSE(std::holds_alternative<Stop>(decide(state).action)) << "it lies elsewhere";
+}
+
 TEST(ChooseAction, ModelsWhatIsNotRecognisedWhereAnAwaitedStoneIsNotSeen) {
   State state = read("place");
   std::vector<StoneIndex> absent;  // the state has four of the six stones of the catalogue
