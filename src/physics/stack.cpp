@@ -40,11 +40,12 @@ Surface surface_of(const ContactShape& shape) {
   return {shape.features.get(), &shape.distance, {}};
 }
 
-World world_of(const ShapeList& shapes, const Stack& stack, const WorldOptions& options) {
+World world_of(const ShapeList& shapes, const Stack& stack, const WorldOptions& options, int held) {
   World world(options);
-  for (const PlacedStone& placed : stack.stones) {
+  for (std::size_t i = 0; i < stack.stones.size(); ++i) {
+    const PlacedStone& placed = stack.stones[i];
     static_cast<void>(shape_of(shapes, placed));
-    world.add_stone(at(shapes, placed.stone), placed.T_W_O);
+    world.add_stone(at(shapes, placed.stone), placed.T_W_O, static_cast<int>(i) < held);
   }
   return world;
 }
@@ -55,7 +56,7 @@ World judged_world(const ShapeList& shapes, const Stack& stack, const StandOptio
   settings.friction = options.friction;
   settings.iterations = options.iterations;
   settings.step = options.step;
-  World world = world_of(shapes, stack, settings);
+  World world = world_of(shapes, stack, settings, options.held);
   require(options.com_error_O.empty() || options.com_error_O.size() == stack.stones.size(), "errors of ",
           options.com_error_O.size(), " centres of mass for a stack of ", stack.stones.size());
   for (std::size_t i = 0; i < options.com_error_O.size(); ++i)
@@ -73,11 +74,11 @@ bool samples_near(const ContactShape& X, const Pose& T_W_X, const ContactShape& 
   });
 }
 
-/// Names the two that touch and should not; empty for a clean stack. `first`: the lower stone's level at
-/// fault.
-std::string unclean(const ShapeList& shapes, const Stack& stack, double gap, int* first) {
+/// Names the two that touch and should not, of which the upper one is not held; empty for a clean stack.
+/// `first`: the upper stone's level.
+std::string unclean(const ShapeList& shapes, const Stack& stack, double gap, int held, int* first) {
   const auto n = static_cast<int>(stack.stones.size());
-  for (int i = 1; i < n; ++i) {
+  for (int i = std::max(1, held); i < n; ++i) {
     const PlacedStone& upper = stack.stones[static_cast<std::size_t>(i)];
     const ContactShape& X = shape_of(shapes, upper);
     double low = 1e9;
@@ -141,7 +142,7 @@ StandVerdict judge_stack(const ShapeList& shapes, const Stack& stack, const Stan
   const auto n = static_cast<int>(stack.stones.size());
   StandVerdict verdict;
   int clean_levels = n;
-  std::string fell, touches = unclean(shapes, stack, options.touch_gap, &clean_levels);
+  std::string fell, touches = unclean(shapes, stack, options.touch_gap, options.held, &clean_levels);
   verdict.clean = touches.empty();
   int stayed = n;  // levels from the bottom that stayed
   double end = options.seconds;
@@ -169,7 +170,7 @@ StandVerdict judge_stack(const ShapeList& shapes, const Stack& stack, const Stan
                   hundredths(verdict.turn * 180 / M_PI), " deg within ", hundredths(world.time()), " s");
   }
   if (verdict.clean && stayed == n) {
-    touches = unclean(shapes, moved(stack, world), options.touch_gap, &clean_levels);
+    touches = unclean(shapes, moved(stack, world), options.touch_gap, options.held, &clean_levels);
     verdict.clean = touches.empty();
   }
   verdict.stands = stayed == n;
@@ -187,7 +188,7 @@ int standing_when_shaken(const ShapeList& shapes, const Stack& stack, const Stan
     World world = judged_world(shapes, stack, options);
     shake_world(world, shake, Eigen::Vector3d::Unit(axis), options.step);
     int clean = 0;
-    static_cast<void>(unclean(shapes, moved(stack, world), options.touch_gap, &clean));
+    static_cast<void>(unclean(shapes, moved(stack, world), options.touch_gap, options.held, &clean));
     standing = std::min(standing, clean);
   }
   return standing;
@@ -213,13 +214,13 @@ std::vector<Contact> geometric_contacts(const ShapeList& shapes, const Stack& st
   return out;
 }
 
-StackStatics stack_statics(const ShapeList& shapes, const Stack& stack, double friction) {
+StackStatics stack_statics(const ShapeList& shapes, const Stack& stack, double friction, int held) {
   WorldOptions settings;
   settings.friction = friction;
   settings.iterations = 200;
   settings.contact_gap = kCarries;
   settings.step = kFineStep;
-  World world = world_of(shapes, stack, settings);
+  World world = world_of(shapes, stack, settings, held);
   for (int calm = 0; calm < 2 && world.time() < kSettle - 1e-9;) {
     world.run(kSettleCheck);
     calm = speed(shapes, stack, world) < kStackCalm ? calm + 1 : 0;
@@ -227,19 +228,23 @@ StackStatics stack_statics(const ShapeList& shapes, const Stack& stack, double f
   StackStatics statics;
   for (int i = 0; i < kCollect; ++i) {
     world.step();
-    const std::vector<Contact> now = world.contacts();
-    statics.contacts.insert(statics.contacts.end(), now.begin(), now.end());
+    for (Contact contact : world.contacts()) {
+      if (contact.above < held) continue;
+      contact.above -= held;
+      contact.below = contact.below < held ? kTable : contact.below - held;
+      statics.contacts.push_back(contact);
+    }
   }
-  for (std::size_t i = 0; i < stack.stones.size(); ++i) {
+  for (auto i = static_cast<std::size_t>(held); i < stack.stones.size(); ++i) {
     const MassProperties& mass = shape_of(shapes, stack.stones[i]).mass;
     statics.bodies.push_back({mass.mass, world.pose(static_cast<int>(i)) * mass.p_O_M});
   }
   return statics;
 }
 
-Equilibrium stack_equilibrium(const ShapeList& shapes, const Stack& stack,
-                              const EquilibriumOptions& options) {
-  const StackStatics statics = stack_statics(shapes, stack, options.friction);
+Equilibrium stack_equilibrium(const ShapeList& shapes, const Stack& stack, const EquilibriumOptions& options,
+                              int held) {
+  const StackStatics statics = stack_statics(shapes, stack, options.friction, held);
   return solve_equilibrium(statics.bodies, statics.contacts, options);
 }
 

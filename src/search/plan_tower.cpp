@@ -59,7 +59,8 @@ TowerPlan plan_tower(SearchProblem problem, int levels, const SearchOptions& opt
   require(levels >= 0, "levels must not be negative, got ", levels);
   check_problem(problem, options);
   try {
-    StandingStack at_rest = settled_stack(*problem.shapes, problem.stack, options);
+    StandingStack at_rest{problem.stack, ""};
+    if (!problem.stack_is_held) at_rest = settled_stack(*problem.shapes, problem.stack, options);
     if (!at_rest.stack) return {{}, std::move(at_rest.reason)};
     if (levels == 0) return {};
     problem.stack = *std::move(at_rest.stack);

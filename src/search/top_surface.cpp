@@ -132,6 +132,7 @@ std::vector<Interface> interfaces(const StackBodies& stack) {
       list[k].moment_above += bodies[m].stone->mass * bodies[m].p_W_M;
     }
   }
+  list.erase(list.begin(), list.begin() + stack.held);
   return list;
 }
 

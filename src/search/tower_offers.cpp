@@ -31,7 +31,8 @@ std::vector<Proposal> TowerSearch::proposals(int k) {
   survey();
   const SearchOptions& o = *context_.options;
   const TowerNode& node = tree_.node(k);
-  const StackBodies below{bodies_of(context_, node.stack), rests_of(context_.shapes(), node.stack)};
+  const StackBodies below{bodies_of(context_, node.stack), rests_of(context_.shapes(), node.stack),
+                          context_.held()};
   std::vector<LooseStone> stones;
   for (const LooseStone& stone : loose_)
     if (std::any_of(node.left.begin(), node.left.end(),

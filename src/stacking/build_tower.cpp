@@ -154,15 +154,17 @@ Known observe_again(Workcell& w, ResumePoint point, const ResumeWriter& resume, 
   return observe_and_learn(w, expected, std::move(memory), resume);
 }
 
-/// Expects what was modelled where it was seen: in the field, or on the tower if it came to rest there.
-void expect_modelled(const ShapeList& shapes, const std::vector<PlacedStone>& modelled,
-                     Expectation& expected) {
-  for (const StoneEstimate& stone : as_estimates(modelled)) {
-    const PlacedStone seen{stone.stone, stone.T_W_O_at_rest};
-    const bool stacked =
-        !expected.stack.empty() &&
-        rests_over(shapes, seen, {expected.stack.back().stone, expected.stack.back().T_W_O_at_rest});
-    (stacked ? expected.stack : expected.loose).push_back(stone);
+/// Expects what was modelled where it was seen: in the field, or as part of the tower if it came to rest on
+/// it, or at the site as its base.
+void expect_modelled(const Workcell& w, const std::vector<PlacedStone>& modelled, Expectation& expected) {
+  std::vector<PlacedStone> tower;
+  for (const StoneEstimate& stone : expected.stack) tower.push_back({stone.stone, stone.T_W_O_at_rest});
+  for (const PlacedStone& stone : modelled) {
+    const bool stacked = tower.empty()
+                             ? !sort_by_site(w.models.shapes, w.cell.layout.site, {stone}).stack.empty()
+                             : rests_over(w.models.shapes, stone, tower.back());
+    if (stacked) tower.push_back(stone);
+    (stacked ? expected.stack : expected.loose).push_back(as_estimates({stone}).front());
   }
 }
 
@@ -182,7 +184,7 @@ Known model_and_observe(Workcell& w, const ModelAnew& action, const ResumeWriter
   Expectation expected = expected_again(known.world, memory);
   const std::vector<StoneEstimate> lying = as_estimates(modelled);
   if (!action.in_sight)
-    expect_modelled(w.models.shapes, modelled, expected);
+    expect_modelled(w, modelled, expected);
   else if (!lying.empty())
     std::replace_if(
         expected.stack.begin(), expected.stack.end(),

@@ -9,7 +9,6 @@
 #include "stacking/next_view.hpp"
 #include "stacking/push_free.hpp"
 #include "stacking/settle_stack.hpp"
-#include "stacking/unknown_objects.hpp"
 #include "stacking/unstack_depth.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/motion/planning_scene.hpp"
@@ -22,7 +21,8 @@ constexpr int kMaxModelled = 4;  // stones in whose place something else is mode
 // rad: 60 runs without scans showed 0 to 0.06 where models were right, five of 0.09 to 0.15 on which towers
 // stood, and 0.18 to 0.33 in eight runs, of which five failed.
 constexpr double kOtherInclination = 0.16;
-constexpr double kOnTable = 0.015;  // m: a lowest stone higher than that stands on something unseen
+constexpr double kAboveSite = 0.02;  // m above the table: what reaches there from below lies at the site
+constexpr double kOnTable = 0.015;   // m: a lowest stone higher than that stands on something unseen
 
 /// Why nothing can be built at the site when a run begins; empty: it is free, or holds a tower of known
 /// stones.
@@ -74,6 +74,15 @@ bool rests_inclined(const PlacementRecord& last) {
   return R_W_O.row(2).dot(R_W_O_measured.row(2)) < std::cos(kOtherInclination);
 }
 
+/// By their models the stones below the top one stand as they are seen.
+bool rests_without_top(const Situation& s, const RunMemory& memory) {
+  Stack below{s.arrangement.stack};
+  below.stones.pop_back();
+  const auto resting = resting_stacks(s.models.shapes, below, s.options.search, memory.friction.frictions);
+  return std::any_of(resting.begin(), resting.end(),
+                     [](const RestingStack& at) { return at.stack.has_value(); });
+}
+
 /// The top stone was just set down, and rests as its model cannot: part of that was a guess. It is modelled
 /// where it stands.
 std::optional<Action> model_top(const Situation& s, const RunMemory& memory) {
@@ -89,6 +98,7 @@ std::optional<Action> model_top(const Situation& s, const RunMemory& memory) {
                                  [](const RestingStack& at) { return at.stack.has_value(); });
   const bool on_table = s.world.stack.size() == 1;
   if (rests && !(on_table && rests_inclined(last))) return std::nullopt;
+  if (!on_table && !rests_without_top(s, memory)) return std::nullopt;  // the fault lies below it
   return ModelAnew{{top}, true};
 }
 
@@ -135,10 +145,14 @@ std::optional<Action> clear_base(const Situation& s, RunMemory& memory) {
 /// Nothing is set down on what is not recognised.
 std::optional<Stop> stop_at_blocked_site(const Situation& s) {
   if (!s.arrangement.stack.empty()) return std::nullopt;
+  const Eigen::Vector2d& site = s.world.layout.site;
+  const Eigen::Vector3d p_W(site.x(), site.y(), kAboveSite);
   for (const Obstacle& obstacle : s.world.layout.obstacles)
-    if (ground_of(obstacle).contains(s.world.layout.site))
-      return Stop{RunEnd::kNoPose,
-                  concat(obstacle.name, " lies at the site, where nothing can be built now: clear the site")};
+    for (const Mesh& piece : obstacle.pieces)
+      if (bounds(transformed(piece, obstacle.T_W_O)).contains(p_W))
+        return Stop{
+            RunEnd::kNoPose,
+            concat(obstacle.name, " lies at the site, where nothing can be built now: clear the site")};
   return std::nullopt;
 }
 

@@ -81,6 +81,14 @@ std::shared_ptr<Reach> make_reach(const Arrangement& arrangement, const WorldEst
       *models.catalogue, options.motion);
 }
 
+/// The tower is seen to stand, and by its models it does at no friction.
+bool cannot_rest(const Situation& s) {
+  const std::vector<RestingStack>& resting = s.world.resting;
+  return !s.arrangement.stack.empty() && !s.models.wall &&
+         std::none_of(resting.begin(), resting.end(),
+                      [](const RestingStack& at) { return at.stack.has_value(); });
+}
+
 bool fits_gripper(const Models& models, StoneIndex stone) {
   return at(models.unfit, stone).empty();
 }
@@ -166,6 +174,8 @@ struct FrictionSearch {
   [[nodiscard]] SearchOutcome run() const {
     Route route = Route::kDirect;
     SearchProblem current = problem(route);
+    if (current.stack_is_held)
+      s.emit(SearchProgress{"the tower stands, though by its models it cannot: it is held where it is seen"});
     const std::size_t count = possible.size();
     const auto levels = static_cast<double>(
         std::min(current.available.size(), static_cast<std::size_t>(s.options.search.horizon)));
@@ -335,6 +345,7 @@ SearchProblem make_problem(const Situation& s, const RunMemory& memory, const Ar
   problem.shapes = &s.models.shapes;
   problem.possible_shapes = &s.models.possible_shapes;
   problem.stack.stones = arrangement.stack;
+  problem.stack_is_held = cannot_rest(s);
   problem.site = s.world.layout.site;
   for (const PlacedStone& loose : arrangement.loose)
     if (fits_gripper(s.models, loose.stone) && reach->at_pick(loose.stone).can_be_held())
@@ -353,6 +364,7 @@ SearchProblem make_problem(const Situation& s, const RunMemory& memory, const Ar
 }
 
 std::optional<SearchProblem> at_friction(const SearchProblem& problem, const RestingStack& resting) {
+  if (problem.stack_is_held) return problem;
   if (!resting.stack) return std::nullopt;
   SearchProblem there = problem;
   there.stack = *resting.stack;

@@ -390,6 +390,32 @@ TEST(FindNextPose, RefusesAStackThatFalls) {
   EXPECT_THAT(result.reason, HasSubstr("does not stand"));
 }
 
+TEST(FindNextPose, BuildsOnAStackThatIsHeldThoughItCannotStand) {
+  SearchProblem problem = base_stands();
+  problem.stack.stones.push_back({1_stone, at(0.075, 0, 0.085)});  // its centre lies beside the base
+  std::erase_if(problem.available, [](const PlacedStone& stone) { return stone.stone == 1_stone; });
+  EXPECT_TRUE(find_next_pose(problem, quick()).best.empty());
+  problem.stack_is_held = true;
+  const SearchResult result = find_next_pose(problem, quick());
+  ASSERT_FALSE(result.best.empty()) << result.reason;
+  const Placement& top = result.best.front();
+  EXPECT_NEAR(top.T_W_O.translation().z(), 0.13, 0.03);
+  EXPECT_LT((top.T_W_O.translation() - Eigen::Vector3d(0.075, 0, 0.11)).head<2>().norm(), 0.05);
+  EXPECT_GT(top.predicted_success, 0.9);
+  EXPECT_GT(top.terms.at("margin"), 0.0);
+  const TowerPlan plan = plan_tower(problem, 1, quick());
+  EXPECT_EQ(plan.placements.size(), 1U) << plan.reason;
+}
+
+TEST(FindNextPose, AStoneThatDoesNotStandFallsFromAHeldStack) {
+  SearchProblem problem = base_stands();
+  problem.stack.stones.push_back({1_stone, at(0.075, 0, 0.085)});
+  problem.available = {{2_stone, at(0.4, 0.3, 0.02)}};
+  problem.stack_is_held = true;
+  EXPECT_EQ(follow_plan(problem, {{2_stone, at(0.075, 0, 0.13)}}, quick()).best.size(), 1U);
+  EXPECT_TRUE(follow_plan(problem, {{2_stone, at(0.14, 0, 0.13)}}, quick()).best.empty());
+}
+
 TEST(FindNextPose, BuildsOnAStackMeasuredAMillimetreOff) {
   SearchProblem problem = base_stands();
   problem.stack.stones = {{0_stone, at(0, 0, 0.0312)}};

@@ -168,14 +168,20 @@ TEST(ChooseAction, NothingIsSetDownOnWhatIsNotRecognised) {
   state.world.layout.obstacles = {object};
   ASSERT_FALSE(std::holds_alternative<Stop>(decide(state).action)) << "a tower stands there";
   state.world.stack.clear();
+  state.memory.last_seen.clear();
   add_resting_stacks(models(), state.options, state.memory.friction, state.world);
   const Decision decision = decide(state);
   const auto* stop = std::get_if<Stop>(&decision.action);
   ASSERT_NE(stop, nullptr) << name_of(decision.action);
   EXPECT_EQ(stop->end, RunEnd::kNoPose);
   EXPECT_NE(stop->reason.find("unknown object 1 lies at the site"), std::string::npos) << stop->reason;
-  state.world.layout.obstacles.front().T_W_O = make_pose({site.x(), site.y() - 0.5, 0.04});
-  EXPECT_FALSE(std::holds_alternative<Stop>(decide(state).action)) << "it lies elsewhere";
+  object.T_W_O = make_pose({site.x(), site.y(), 0.9});  // a shelf above
+  Obstacle table;
+  table.name = "table";
+  table.pieces = {make_box({2.0, 2.0, 0.1})};
+  table.T_W_O = make_pose({site.x(), site.y(), -0.05});
+  state.world.layout.obstacles = {object, table};
+  EXPECT_FALSE(std::holds_alternative<Stop>(decide(state).action)) << "neither lies at the site";
 }
 
 TEST(ChooseAction, ModelsWhatIsNotRecognisedWhereAnAwaitedStoneIsNotSeen) {
@@ -215,6 +221,7 @@ struct ModelledBase {
       catalogue.stones[static_cast<std::size_t>(base.value())].surface =
           SurfaceKnowledge{std::vector<double>(vertices, 0.001), std::vector<char>(vertices, 0), {}};
     state.memory.awaited = {base, state.world.loose.front().stone};
+    state.options.search.horizon = 1;  // quick
   }
   /// It rests by its model at no friction.
   void let_fall() {
@@ -247,6 +254,7 @@ TEST(ChooseAction, ABaseThatRestsAsItsModelCannotIsModelledWhereItStands) {
   once.let_fall();
   once.state.memory = remember_modelled(once.state.memory, ModelAnew{{once.base}, true}, {}, once.models);
   EXPECT_FALSE(once.models_base()) << "nothing was made of it";
+  EXPECT_TRUE(std::holds_alternative<Place>(once.action())) << "it stands, so it is built upon as it is seen";
 
   ModelledBase of_wall;
   of_wall.let_fall();
@@ -287,6 +295,9 @@ TEST(ChooseAction, ATopStoneThatRestsAsItsModelCannotIsModelledWhereItStands) {
   EXPECT_FALSE(modelled()) << "by its model it rests as it does";
   for (RestingStack& resting : state.world.resting) resting.stack.reset();
   EXPECT_TRUE(modelled());
+  Pose& T_W_base = state.world.stack.front().T_W_O_at_rest;
+  T_W_base.linear() = Eigen::AngleAxisd(0.6, Eigen::Vector3d::UnitX()) * T_W_base.linear();
+  EXPECT_FALSE(modelled()) << "it is a stone below that cannot rest";
 }
 
 TEST(ChooseAction, AStoneWhoseModelWasWrongIsNotLookedForAnyMore) {

@@ -137,7 +137,8 @@ TEST(ModelUnrecognised, AStoneInSightIsModelledWhereItStands) {
 TEST(ModelUnrecognised, OneObjectIsOneStone) {
   const Catalogue truth = read_catalogue(data_path("stones"));
   const RobotModel robot = read_robot("ur10");
-  SimulatedCell cell{truth.stones, {2_stone}, robot, CellLayout{}, WrongModel::simulation()};
+  SimulatedCell cell{
+      truth.stones, {1_stone, 2_stone, 3_stone}, robot, CellLayout{}, WrongModel::simulation()};
   const Eigen::Vector2d site = CellLayout{}.site;  // two stones, the one upon the other
   cell.place(1_stone, make_pose({site.x(), site.y(), 0.03}));
   cell.place(3_stone, make_pose({site.x() + 0.01, site.y(), 0.10}));

@@ -58,7 +58,8 @@ TEST(UnknownObjects, AreSeenWhereTheyLie) {
 std::vector<Obstacle> seen_at_site() {
   const Catalogue truth = read_catalogue(data_path("stones"));
   const RobotModel robot = read_robot("ur10");
-  simulation::SimulatedCell cell{truth.stones, {2_stone}, robot, CellLayout{}, FirstLook::with_foreign(0)};
+  simulation::SimulatedCell cell{
+      truth.stones, {1_stone, 2_stone, 3_stone}, robot, CellLayout{}, FirstLook::with_foreign(0)};
   const Eigen::Vector2d site = CellLayout{}.site;
   cell.place(1_stone, make_pose({site.x(), site.y(), 0.03}));
   cell.place(3_stone, make_pose({site.x() + 0.01, site.y(), 0.10}));

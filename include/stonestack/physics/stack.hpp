@@ -43,6 +43,7 @@ struct StandOptions {
   /// frame O, a level each or none at all [m]: how far from the centre of mass that is known the true one
   /// lies.
   std::vector<Eigen::Vector3d> com_error_O = {};
+  int held = 0;  ///< levels from the table up that are held where they are, and not judged
 };
 
 /// Does it stand, cleanly? A stack is clean if stone i touches only stones i-1 and i+1, and only stone 0 the
@@ -79,13 +80,15 @@ struct Shake {
                                                       double gap);
 /// A stack as statics sees it.
 struct StackStatics {
-  std::vector<StaticBody> bodies;  ///< mass and centre of mass of each level
-  std::vector<Contact> contacts;   ///< collected over a short settle; indices are levels of the stack
+  std::vector<StaticBody> bodies;  ///< mass and centre of mass of each level that is not held
+  std::vector<Contact> contacts;   ///< collected over a short settle; indices are those of `bodies`
 };
-[[nodiscard]] StackStatics stack_statics(const ShapeList& shapes, const Stack& stack, double friction);
+/// @param held levels from the table up that are held where they are: ground, as the table
+[[nodiscard]] StackStatics stack_statics(const ShapeList& shapes, const Stack& stack, double friction,
+                                         int held = 0);
 /// Equilibrium of a stack from `stack_statics`.
 [[nodiscard]] Equilibrium stack_equilibrium(const ShapeList& shapes, const Stack& stack,
-                                            const EquilibriumOptions& options = {});
+                                            const EquilibriumOptions& options = {}, int held = 0);
 
 /// Why a stone cannot be: mass not positive, inertia not possible, centre of mass outside its hull, nothing
 /// finite.

@@ -111,6 +111,9 @@ struct SearchProblem {
   const std::vector<ShapeList>* possible_shapes = nullptr;
   Stack stack;                    ///< what stands (measured)
   bool stack_is_at_rest = false;  ///< it stands as it is at the friction of the options: not settled again
+  /// It stands as it was measured, though by its shapes, part of which are guesses, it cannot: it is held
+  /// where it is, and only what comes upon it is judged.
+  bool stack_is_held = false;
   std::vector<PlacedStone>
       available;  ///< loose stones, with their detected poses (paper: initial orientation)
   Eigen::Vector2d site = Eigen::Vector2d::Zero();  ///< where the first stone goes, W
