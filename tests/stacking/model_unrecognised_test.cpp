@@ -141,7 +141,7 @@ TEST(ModelUnrecognised, OneObjectIsOneStone) {
       truth.stones, {1_stone, 2_stone, 3_stone}, robot, CellLayout{}, WrongModel::simulation()};
   const Eigen::Vector2d site = CellLayout{}.site;  // two stones, the one upon the other
   cell.place(1_stone, make_pose({site.x(), site.y(), 0.03}));
-  cell.place(3_stone, make_pose({site.x() + 0.01, site.y(), 0.10}));
+  cell.place(3_stone, make_pose({site.x(), site.y(), 0.10}));
   Catalogue known;  // neither of them
   known.stones = {truth[2_stone], truth[4_stone], truth[5_stone]};
   const BuildOptions options;
