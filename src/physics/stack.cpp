@@ -41,6 +41,8 @@ Surface surface_of(const ContactShape& shape) {
 }
 
 World world_of(const ShapeList& shapes, const Stack& stack, const WorldOptions& options, int held) {
+  require(held >= 0 && static_cast<std::size_t>(held) <= stack.stones.size(), "of a stack of ",
+          stack.stones.size(), " stones ", held, " cannot be held");
   World world(options);
   for (std::size_t i = 0; i < stack.stones.size(); ++i) {
     const PlacedStone& placed = stack.stones[i];

@@ -16,7 +16,7 @@ struct StandingProblem {
 
 StandingProblem settled_problem(const SearchProblem& problem, const SearchOptions& options) {
   check_problem(problem, options);
-  if (problem.stack_is_at_rest || problem.stack_is_held) return {problem, ""};
+  if (problem.stack_is_at_rest || problem.held > 0) return {problem, ""};
   try {
     StandingStack at_rest = settled_stack(*problem.shapes, problem.stack, options);
     if (!at_rest.stack) return {std::nullopt, std::move(at_rest.reason)};

@@ -60,7 +60,7 @@ TowerPlan plan_tower(SearchProblem problem, int levels, const SearchOptions& opt
   check_problem(problem, options);
   try {
     StandingStack at_rest{problem.stack, ""};
-    if (!problem.stack_is_held) at_rest = settled_stack(*problem.shapes, problem.stack, options);
+    if (problem.held == 0) at_rest = settled_stack(*problem.shapes, problem.stack, options);
     if (!at_rest.stack) return {{}, std::move(at_rest.reason)};
     if (levels == 0) return {};
     problem.stack = *std::move(at_rest.stack);

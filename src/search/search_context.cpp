@@ -113,6 +113,8 @@ void check_options(const SearchOptions& options) {
 void check_problem(const SearchProblem& problem, const SearchOptions& options) {
   require(problem.shapes != nullptr, "search problem has no shapes");
   check_options(options);
+  require(problem.held >= 0 && static_cast<std::size_t>(problem.held) <= problem.stack.stones.size(),
+          "of a stack of ", problem.stack.stones.size(), " stones ", problem.held, " cannot be held");
   if (problem.possible_shapes != nullptr)
     for (const ShapeList& shapes : *problem.possible_shapes)
       require(shapes.size() == problem.shapes->size(), "a list of possible shapes has ", shapes.size(),

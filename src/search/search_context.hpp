@@ -18,10 +18,6 @@ struct SearchContext {
   std::function<void(const std::string&)> report;
 
   [[nodiscard]] const ShapeList& shapes() const { return *problem->shapes; }
-  /// Levels of every stack that are held where they are.
-  [[nodiscard]] int held() const {
-    return problem->stack_is_held ? static_cast<int>(stack.stones.size()) : 0;
-  }
   /// Finished towers are shaken.
   [[nodiscard]] bool firm() const { return options->objective == "firm"; }
   [[nodiscard]] bool out_of_time() const {

@@ -32,7 +32,7 @@ std::vector<Proposal> TowerSearch::proposals(int k) {
   const SearchOptions& o = *context_.options;
   const TowerNode& node = tree_.node(k);
   const StackBodies below{bodies_of(context_, node.stack), rests_of(context_.shapes(), node.stack),
-                          context_.held()};
+                          context_.problem->held};
   std::vector<LooseStone> stones;
   for (const LooseStone& stone : loose_)
     if (std::any_of(node.left.begin(), node.left.end(),

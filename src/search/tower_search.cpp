@@ -233,7 +233,7 @@ void TowerSearch::grow(std::span<const int> nodes) {
     Stack higher = below.stack;
     higher.stones.push_back({trial.stone, trial.placement.T_W_O});
     const StackBodies bodies{bodies_of(context_, higher), rests_of(context_.shapes(), higher),
-                             context_.held()};
+                             context_.problem->held};
     std::vector<StoneIndex> used = stones_of(below.stack);
     used.push_back(trial.stone);
     const LookAheadEstimate ahead = look_ahead_->estimate(bodies, used, LookAheadEffort::kFull);

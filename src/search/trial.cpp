@@ -125,7 +125,7 @@ StandOptions displaced_verdict(const SearchContext& context, const Stack& stack,
   stand.step = kVerdictStep;
   stand.iterations = kFewer;
   stand.fall = 0.0;
-  stand.held = context.held();
+  stand.held = context.problem->held;
   for (const PlacedStone& placed : stack.stones)
     stand.com_error_O.push_back(com_error(context, placed.stone, k));
   return stand;
@@ -172,8 +172,8 @@ Trial settled_trial(const SearchContext& context, const Stack& below, Trial tria
   EquilibriumOptions statics;
   statics.friction = context.options->friction;
   statics.min_friction = false;
-  const Equilibrium balance =
-      stack_equilibrium(context.shapes(), with(below, trial.stone, at_rest.T_W_O), statics, context.held());
+  const Equilibrium balance = stack_equilibrium(context.shapes(), with(below, trial.stone, at_rest.T_W_O),
+                                                statics, context.problem->held);
   trial.margin = balance.stands ? balance.margin : 0.0;
   trial.placement = placement_of(context, below, at_rest, trial);
   if (!balance.stands) return dropped(std::move(trial), "no contact forces hold the stack");
@@ -191,7 +191,7 @@ Trial judged_trial(const SearchContext& context, const Stack& below, Trial trial
   stand.still = kStill;
   stand.step = kVerdictStep;
   stand.fall = 0.0;
-  stand.held = context.held();
+  stand.held = context.problem->held;
   const StandVerdict verdict =
       judge_stack(context.shapes(), with(below, trial.stone, trial.placement.T_W_O), stand);
   if (!verdict.stands)

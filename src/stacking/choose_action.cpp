@@ -78,9 +78,8 @@ bool rests_inclined(const PlacementRecord& last) {
 bool rests_without_top(const Situation& s, const RunMemory& memory) {
   Stack below{s.arrangement.stack};
   below.stones.pop_back();
-  const auto resting = resting_stacks(s.models.shapes, below, s.options.search, memory.friction.frictions);
-  return std::any_of(resting.begin(), resting.end(),
-                     [](const RestingStack& at) { return at.stack.has_value(); });
+  return stands_at_some_friction(
+      resting_stacks(s.models.shapes, below, s.options.search, memory.friction.frictions));
 }
 
 /// The top stone was just set down, and rests as its model cannot: part of that was a guess. It is modelled
@@ -93,9 +92,7 @@ std::optional<Action> model_top(const Situation& s, const RunMemory& memory) {
   const PlacementRecord& last = memory.records.back();
   const bool guessed = s.models.stone(top).surface && memory.awaited.contains(top);
   if (last.stone != s.models.name(top) || !last.T_W_O_measured || !guessed) return std::nullopt;
-  const std::vector<RestingStack>& resting = s.world.resting;
-  const bool rests = std::any_of(resting.begin(), resting.end(),
-                                 [](const RestingStack& at) { return at.stack.has_value(); });
+  const bool rests = stands_at_some_friction(s.world.resting);
   const bool on_table = s.world.stack.size() == 1;
   if (rests && !(on_table && rests_inclined(last))) return std::nullopt;
   if (!on_table && !rests_without_top(s, memory)) return std::nullopt;  // the fault lies below it

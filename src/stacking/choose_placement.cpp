@@ -9,6 +9,7 @@
 #include "search/parallel.hpp"
 #include "stacking/choose_in_wall.hpp"
 #include "stacking/free_places.hpp"
+#include "stacking/settle_stack.hpp"
 #include "stacking/unstack_depth.hpp"
 #include "stonestack/core/error.hpp"
 
@@ -83,10 +84,7 @@ std::shared_ptr<Reach> make_reach(const Arrangement& arrangement, const WorldEst
 
 /// The tower is seen to stand, and by its models it does at no friction.
 bool cannot_rest(const Situation& s) {
-  const std::vector<RestingStack>& resting = s.world.resting;
-  return !s.arrangement.stack.empty() && !s.models.wall &&
-         std::none_of(resting.begin(), resting.end(),
-                      [](const RestingStack& at) { return at.stack.has_value(); });
+  return !s.arrangement.stack.empty() && !s.models.wall && !stands_at_some_friction(s.world.resting);
 }
 
 bool fits_gripper(const Models& models, StoneIndex stone) {
@@ -174,7 +172,7 @@ struct FrictionSearch {
   [[nodiscard]] SearchOutcome run() const {
     Route route = Route::kDirect;
     SearchProblem current = problem(route);
-    if (current.stack_is_held)
+    if (current.held > 0)
       s.emit(SearchProgress{"the tower stands, though by its models it cannot: it is held where it is seen"});
     const std::size_t count = possible.size();
     const auto levels = static_cast<double>(
@@ -332,10 +330,9 @@ double expected_from(const Situation& s, const RunMemory& memory, const Arrangem
 }  // namespace
 
 std::vector<bool> possible_frictions(const WorldEstimate& world) {
+  const bool any = stands_at_some_friction(world.resting);
   std::vector<bool> possible;
-  for (const RestingStack& at : world.resting) possible.push_back(at.stack.has_value());
-  if (std::none_of(possible.begin(), possible.end(), [](bool yes) { return yes; }))
-    possible.assign(possible.size(), true);
+  for (const RestingStack& at : world.resting) possible.push_back(at.stack.has_value() || !any);
   return possible;
 }
 
@@ -345,7 +342,7 @@ SearchProblem make_problem(const Situation& s, const RunMemory& memory, const Ar
   problem.shapes = &s.models.shapes;
   problem.possible_shapes = &s.models.possible_shapes;
   problem.stack.stones = arrangement.stack;
-  problem.stack_is_held = cannot_rest(s);
+  if (cannot_rest(s)) problem.held = static_cast<int>(arrangement.stack.size());
   problem.site = s.world.layout.site;
   for (const PlacedStone& loose : arrangement.loose)
     if (fits_gripper(s.models, loose.stone) && reach->at_pick(loose.stone).can_be_held())
@@ -364,7 +361,7 @@ SearchProblem make_problem(const Situation& s, const RunMemory& memory, const Ar
 }
 
 std::optional<SearchProblem> at_friction(const SearchProblem& problem, const RestingStack& resting) {
-  if (problem.stack_is_held) return problem;
+  if (problem.held > 0) return problem;
   if (!resting.stack) return std::nullopt;
   SearchProblem there = problem;
   there.stack = *resting.stack;

@@ -30,7 +30,8 @@ struct Situation {
 [[nodiscard]] SearchProblem make_problem(const Situation& situation, const RunMemory& memory,
                                          const Arrangement& arrangement, const std::shared_ptr<Reach>& reach,
                                          Route route);
-/// The problem with its stack as it rests at that friction; nothing if it does not stand there.
+/// The problem with its stack as it rests at that friction, or as it is held; nothing if it does not stand
+/// there.
 [[nodiscard]] std::optional<SearchProblem> at_friction(const SearchProblem& problem,
                                                        const RestingStack& resting);
 /// Frictions at which the stack can stand; all, if there is none.

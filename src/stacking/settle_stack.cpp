@@ -73,6 +73,11 @@ Stack nearest_that_stands(const ShapeList& shapes, const Stack& given, double fr
 
 }  // namespace
 
+bool stands_at_some_friction(const std::vector<RestingStack>& resting) {
+  return std::any_of(resting.begin(), resting.end(),
+                     [](const RestingStack& at) { return at.stack.has_value(); });
+}
+
 double off_measured(const Pose& T_W_O, const Pose& T_W_O_measured) {
   const PoseDifference error = difference(T_W_O, T_W_O_measured);
   return std::max(error.translation, kConsistent / kConsistentTurn * error.angle);

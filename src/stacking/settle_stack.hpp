@@ -31,6 +31,9 @@ struct MeasuredStone {
                                                        const std::vector<double>& frictions,
                                                        bool tower = true);
 
+/// Does the stack stand at any of the frictions?
+[[nodiscard]] bool stands_at_some_friction(const std::vector<RestingStack>& resting);
+
 /// Distance of a pose from the measured one, m; 0.09 rad count as 6 mm.
 [[nodiscard]] double off_measured(const Pose& T_W_O, const Pose& T_W_O_measured);
 inline constexpr double kConsistent = 0.006;  ///< distance up to which a pose is the measured one for sure, m

@@ -395,7 +395,7 @@ TEST(FindNextPose, BuildsOnAStackThatIsHeldThoughItCannotStand) {
   problem.stack.stones.push_back({1_stone, at(0.075, 0, 0.085)});  // its centre lies beside the base
   std::erase_if(problem.available, [](const PlacedStone& stone) { return stone.stone == 1_stone; });
   EXPECT_TRUE(find_next_pose(problem, quick()).best.empty());
-  problem.stack_is_held = true;
+  problem.held = 2;
   const SearchResult result = find_next_pose(problem, quick());
   ASSERT_FALSE(result.best.empty()) << result.reason;
   const Placement& top = result.best.front();
@@ -411,7 +411,7 @@ TEST(FindNextPose, AStoneThatDoesNotStandFallsFromAHeldStack) {
   SearchProblem problem = base_stands();
   problem.stack.stones.push_back({1_stone, at(0.075, 0, 0.085)});
   problem.available = {{2_stone, at(0.4, 0.3, 0.02)}};
-  problem.stack_is_held = true;
+  problem.held = 2;
   EXPECT_EQ(follow_plan(problem, {{2_stone, at(0.075, 0, 0.13)}}, quick()).best.size(), 1U);
   EXPECT_TRUE(follow_plan(problem, {{2_stone, at(0.14, 0, 0.13)}}, quick()).best.empty());
 }

@@ -111,9 +111,10 @@ struct SearchProblem {
   const std::vector<ShapeList>* possible_shapes = nullptr;
   Stack stack;                    ///< what stands (measured)
   bool stack_is_at_rest = false;  ///< it stands as it is at the friction of the options: not settled again
-  /// It stands as it was measured, though by its shapes, part of which are guesses, it cannot: it is held
-  /// where it is, and only what comes upon it is judged.
-  bool stack_is_held = false;
+  /// Stones of the stack, from the table up, that stand as they were measured, though by their shapes, part
+  /// of which are guesses, they cannot: they are held where they are, and only what comes upon them is
+  /// judged. Where any is held, the stack is not settled.
+  int held = 0;
   std::vector<PlacedStone>
       available;  ///< loose stones, with their detected poses (paper: initial orientation)
   Eigen::Vector2d site = Eigen::Vector2d::Zero();  ///< where the first stone goes, W
