@@ -154,20 +154,6 @@ Known observe_again(Workcell& w, ResumePoint point, const ResumeWriter& resume, 
   return observe_and_learn(w, expected, std::move(memory), resume);
 }
 
-/// Expects what was modelled where it was seen: in the field, or as part of the tower if it came to rest on
-/// it, or at the site as its base.
-void expect_modelled(const Workcell& w, const std::vector<PlacedStone>& modelled, Expectation& expected) {
-  std::vector<PlacedStone> tower;
-  for (const StoneEstimate& stone : expected.stack) tower.push_back({stone.stone, stone.T_W_O_at_rest});
-  for (const PlacedStone& stone : modelled) {
-    const bool stacked = tower.empty()
-                             ? !sort_by_site(w.models.shapes, w.cell.layout.site, {stone}).stack.empty()
-                             : rests_over(w.models.shapes, stone, tower.back());
-    if (stacked) tower.push_back(stone);
-    (stacked ? expected.stack : expected.loose).push_back(as_estimates({stone}).front());
-  }
-}
-
 /// Models what may be stones that are lost, adds it to the stones of the run, and observes.
 Known model_and_observe(Workcell& w, const ModelAnew& action, const ResumeWriter& resume, Journal* journal,
                         const Known& known, const RunMemory& chosen) {
@@ -181,14 +167,7 @@ Known model_and_observe(Workcell& w, const ModelAnew& action, const ResumeWriter
     w.emit(StoneModelled{modelled.back().stone, action.lost, action.in_sight});
   }
   const RunMemory memory = remember_modelled(chosen, action, modelled, w.models);
-  Expectation expected = expected_again(known.world, memory);
-  const std::vector<StoneEstimate> lying = as_estimates(modelled);
-  if (!action.in_sight)
-    expect_modelled(w, modelled, expected);
-  else if (!lying.empty())
-    std::replace_if(
-        expected.stack.begin(), expected.stack.end(),
-        [&](const StoneEstimate& stone) { return stone.stone == action.lost.front(); }, lying.front());
+  const Expectation expected = expected_modelled(known.world, memory, action, modelled, w.models);
   return observe_and_learn(w, expected, memory, resume);
 }
 

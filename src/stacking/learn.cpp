@@ -451,6 +451,27 @@ Expectation expected_again(const WorldEstimate& world, const RunMemory& memory) 
   return expected;
 }
 
+Expectation expected_modelled(const WorldEstimate& world, const RunMemory& memory, const ModelAnew& action,
+                              const std::vector<PlacedStone>& modelled, const Models& models) {
+  Expectation expected = expected_again(world, memory);
+  for (const StoneEstimate& made : as_estimates(modelled)) {
+    std::vector<StoneEstimate>& tower = expected.stack;
+    const PlacedStone stone{made.stone, made.T_W_O_at_rest};
+    if (action.in_sight) {
+      std::replace_if(
+          tower.begin(), tower.end(),
+          [&](const StoneEstimate& before) { return before.stone == action.lost.front(); }, made);
+      continue;
+    }
+    const bool stacked =
+        !models.wall &&
+        (tower.empty() ? !sort_by_site(models.shapes, world.layout.site, {stone}).stack.empty()
+                       : rests_over(models.shapes, stone, {tower.back().stone, tower.back().T_W_O_at_rest}));
+    (stacked ? tower : expected.loose).push_back(made);
+  }
+  return expected;
+}
+
 PlacementRecord judge(const Attempt& attempt, const WorldEstimate& seen, const Models& models,
                       const BuildOptions& options) {
   PlacementRecord record;

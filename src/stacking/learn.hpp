@@ -14,6 +14,13 @@ namespace stonestack::stacking {
 /// The memory after no motion was found for an action: the world is as before.
 [[nodiscard]] RunMemory remember_refusal(RunMemory memory, const Action& action, const MotionPlan& plan);
 
+/// Expected view after stones were modelled, each where it was seen: in the place of the one that was
+/// modelled where it stands; else as part of a tower, if it came to rest on it or at the site; else in the
+/// field.
+[[nodiscard]] Expectation expected_modelled(const WorldEstimate& world, const RunMemory& memory,
+                                            const ModelAnew& action, const std::vector<PlacedStone>& modelled,
+                                            const Models& models);
+
 /// Expected view of the world; `memory` remembers the action.
 [[nodiscard]] Expectation expected_after(const WorldEstimate& world, const RunMemory& memory,
                                          const Action& action);

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/constants.hpp"
+#include "stacking/arrangement.hpp"
 #include "stacking/heard.hpp"
 #include "stacking/learn.hpp"
 #include "stacking/state_file.hpp"
@@ -298,6 +299,53 @@ TEST(ChooseAction, ATopStoneThatRestsAsItsModelCannotIsModelledWhereItStands) {
   Pose& T_W_base = state.world.stack.front().T_W_O_at_rest;
   T_W_base.linear() = Eigen::AngleAxisd(0.6, Eigen::Vector3d::UnitX()) * T_W_base.linear();
   EXPECT_FALSE(modelled()) << "it is a stone below that cannot rest";
+}
+
+TEST(ExpectedModelled, OnTheTowerAtTheSiteOrInTheField) {
+  const State state = read("place");
+  const PlacedStone base{state.world.stack.front().stone, state.world.stack.front().T_W_O_at_rest};
+  const Eigen::Vector2d site = state.world.layout.site;
+  StoneIndex made;  // not in the world yet
+  for (const StoneIndex stone : first_stones(limestones().stones.size()))
+    if (!holds(state.world.stack, stone) && !holds(state.world.loose, stone)) made = stone;
+  const auto expected = [&](const WorldEstimate& world, const Eigen::Vector3d& p_W, const Models& of) {
+    return expected_modelled(world, make_memory(state.options), ModelAnew{{made}}, {{made, make_pose(p_W)}},
+                             of);
+  };
+  const Eigen::Vector3d above(base.T_W_O.translation().x(), base.T_W_O.translation().y(), 0.11);
+  EXPECT_TRUE(holds(expected(state.world, above, models()).stack, made));
+  EXPECT_TRUE(holds(expected(state.world, {0.7, -0.3, 0.03}, models()).loose, made));
+  EXPECT_FALSE(holds(expected(state.world, {0.7, -0.3, 0.03}, models()).stack, made));
+  WorldEstimate cleared = state.world;
+  cleared.stack.clear();
+  EXPECT_TRUE(holds(expected(cleared, {site.x(), site.y(), 0.03}, models()).stack, made));
+  EXPECT_TRUE(holds(expected(cleared, {0.7, -0.3, 0.03}, models()).loose, made));
+  Models of_wall = models();
+  of_wall.wall.emplace();
+  EXPECT_TRUE(holds(expected(state.world, above, of_wall).loose, made)) << "a wall has no place for it";
+  const Expectation instead = expected_modelled(
+      state.world, make_memory(state.options), ModelAnew{{base.stone}, true}, {{made, base.T_W_O}}, models());
+  EXPECT_TRUE(holds(instead.stack, made));
+  EXPECT_FALSE(holds(instead.stack, base.stone));
+}
+
+TEST(ExpectedAfter, AStoneThatWasBroughtToTheSiteIsANewTop) {
+  const State state = read("place");
+  RunMemory memory = make_memory(state.options);
+  EXPECT_FALSE(expected_after(state.world, memory, Stop{}).was_built);
+  Attempt attempt;
+  attempt.action = Place{};
+  attempt.expected_stack = state.world.stack;
+  memory.attempt = attempt;
+  EXPECT_TRUE(expected_after(state.world, memory, Stop{}).new_top);
+  EXPECT_TRUE(expected_after(state.world, memory, Stop{}).was_built);
+  memory.attempt->action = Unstack{};
+  memory.attempt->below = at_rest(state.world).stack;
+  EXPECT_FALSE(expected_after(state.world, memory, Stop{}).new_top);
+  EXPECT_FALSE(expected_after(state.world, memory, Stop{}).was_built);
+  memory.records = state.memory.records;
+  ASSERT_FALSE(memory.records.empty());
+  EXPECT_TRUE(expected_after(state.world, memory, Stop{}).was_built) << "before";
 }
 
 TEST(ChooseAction, AStoneWhoseModelWasWrongIsNotLookedForAnyMore) {
