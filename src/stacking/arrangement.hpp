@@ -20,8 +20,8 @@ namespace stonestack::stacking {
 struct StoneEstimates {
   std::vector<StoneEstimate> stack, loose;
 };
-/// @param refuted does what is seen show that a stone is not there? Empty: it does for every stone that is
-/// not recognised
+/// @param refuted of a tower: does what is seen show that a stone is not there? Empty: it does for every
+/// stone that is not recognised
 [[nodiscard]] StoneEstimates estimate_stones(const ShapeList& shapes, const CellLayout& layout,
                                              const std::vector<StoneEstimate>& expected,
                                              const std::vector<Sighting>& sightings,

@@ -7,7 +7,7 @@ namespace {
 
 constexpr double kSameSurface = 0.010;     // m along a ray: models, poses and depth err by less
 constexpr double kMaxThrough = 1.0 / 3.0;  // of what is not hidden: guessed parts of a model may be missing
-constexpr int kMinPixels = 40;             // of a view, that tell
+constexpr int kMinPixels = 40;             // of all views, that tell
 
 }  // namespace
 

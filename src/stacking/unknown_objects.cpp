@@ -17,6 +17,7 @@ namespace {
 constexpr double kCube = 0.005;            // m: one point of surface a cube
 constexpr double kBeside = 0.001;          // m that seen surface may be off: stones lie 5 mm beside it
 constexpr double kAtSite = 0.15;           // m from the site
+constexpr double kOverTower = 0.010;       // m above the tower's top: models err by less
 constexpr double kAtBase = 0.30;           // m from the robot's base, which the camera may see, too
 constexpr double kOverField = 0.3;         // m beyond the field
 constexpr double kSamePlaceAround = 0.01;  // m about an object: what a view may show more of it
@@ -119,12 +120,14 @@ std::vector<Obstacle> objects_above_table(const Views& views, const DetectionOpt
 
 std::vector<Obstacle> unknown_objects(const Workcell& w, const Views& views, const WorldEstimate& world) {
   std::vector<PlacedStone> stones;
-  for (const auto* list : {&world.stack, &world.loose})
-    for (const StoneEstimate& stone : *list) stones.push_back({stone.stone, stone.T_W_O_seen});
+  for (const StoneEstimate& stone : world.stack) stones.push_back({stone.stone, stone.T_W_O_seen});
+  const double top = top_height(w.models.shapes, stones);
+  for (const StoneEstimate& stone : world.loose) stones.push_back({stone.stone, stone.T_W_O_seen});
   std::vector<Obstacle> obstacles;
-  for (const UnknownThing& thing : things_in(w, views, stones))
-    if (world.stack.empty() || (thing.p_W - w.cell.layout.site).norm() > kAtSite)
-      add_thing(obstacles, "unknown object", thing);
+  for (const UnknownThing& thing : things_in(w, views, stones)) {
+    const bool at_tower = !world.stack.empty() && (thing.p_W - w.cell.layout.site).norm() <= kAtSite;
+    if (!at_tower || thing.highest > top + kOverTower) add_thing(obstacles, "unknown object", thing);
+  }
   return obstacles;
 }
 

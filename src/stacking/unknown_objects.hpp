@@ -9,8 +9,8 @@
 namespace stonestack::stacking {
 
 /// Obstacles for what the views show above the table that belongs to none of the stones: an upright prism
-/// with sixteen sides about what is seen of each, from the table up. What stands at the site of a tower is
-/// left to those who look at the tower; where none stands, it is an obstacle, too.
+/// with sixteen sides about what is seen of each, from the table up. What is seen beside a tower and no
+/// higher is left to those who view the tower: most of it is the tower's own.
 /// @param world stones that were recognised; one that was seen to float is none of them
 [[nodiscard]] std::vector<Obstacle> unknown_objects(const Workcell& workcell, const Views& views,
                                                     const WorldEstimate& world);

@@ -14,6 +14,7 @@
 #include "stonestack/simulation/simulated_cell.hpp"
 #include "stonestack/stacking/scene_tasks.hpp"
 #include "temporary_folder.hpp"
+#include "unknown_pile.hpp"
 
 /// Runs whose stones nobody scanned, with a model that does not show what lies there.
 namespace stonestack::stacking {
@@ -135,26 +136,9 @@ TEST(ModelUnrecognised, AStoneInSightIsModelledWhereItStands) {
 }
 
 TEST(ModelUnrecognised, OneObjectIsOneStone) {
-  const Catalogue truth = read_catalogue(data_path("stones"));
-  const RobotModel robot = read_robot("ur10");
-  SimulatedCell cell{
-      truth.stones, {1_stone, 2_stone, 3_stone}, robot, CellLayout{}, WrongModel::simulation()};
-  const Eigen::Vector2d site = CellLayout{}.site;  // two stones, the one upon the other
-  cell.place(1_stone, make_pose({site.x(), site.y(), 0.03}));
-  cell.place(3_stone, make_pose({site.x(), site.y(), 0.10}));
-  Catalogue known;  // neither of them
-  known.stones = {truth[2_stone], truth[4_stone], truth[5_stone]};
-  const BuildOptions options;
-  const Models models = make_models(known, robot, CellLayout{});
-  const DetectionModels detection(known.stones, options.detection);
-  StageSeconds seconds;
-  Workcell workcell{cell.cell(), models, detection, options, seconds, [](const Event&) {}, {}};
-  Expectation later;
-  later.friction = make_memory(options).friction;
-  later.was_built = true;
-  const WorldEstimate world = observe(workcell, later, [](const WorldEstimate&) {}).world;
-  const ModelledField field =
-      model_unrecognised(workcell, world, make_memory(options), ModelAnew{{1_stone, 2_stone}}, nullptr);
+  stonestack::test::UnknownPile pile({2_stone, 4_stone, 5_stone});
+  const ModelledField field = model_unrecognised(pile.workcell, pile.observed(), make_memory(pile.options),
+                                                 ModelAnew{{1_stone, 2_stone}}, nullptr);
   ASSERT_FALSE(field.stones.empty()) << (field.left_out.empty() ? "" : field.left_out.front());
   for (std::size_t i = 0; i < field.stones.size(); ++i)
     for (std::size_t j = 0; j < i; ++j) {

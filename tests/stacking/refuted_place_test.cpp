@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "geometry/depth_render.hpp"
+#include "unknown_pile.hpp"
 
 namespace stonestack::stacking {
 namespace {
@@ -56,6 +57,16 @@ TEST(RefutedPlace, AHiddenStoneMayBeThere) {
 TEST(RefutedPlace, OneViewOfSeveralIsEnoughToRefute) {
   const std::pair<Mesh, Pose> roof{make_box({0.3, 0.3, 0.02}), make_pose({0.0, 0.0, 0.12})};
   EXPECT_TRUE(is_refuted({view_of({roof}), view_of({})}, stone(), kPlace));
+}
+
+TEST(RefutedPlace, AStoneThatWasJustSetDownHasToBeRecognised) {
+  stonestack::test::UnknownPile pile({1_stone, 3_stone});
+  pile.options.detection.accept_score = 1.0;  // no stone is recognised
+  EXPECT_TRUE(pile.observed().stack.empty());
+  const simulation::Truth lying = pile.cell.truth();  // the upper one has come to rest
+  const auto tower = as_estimates({{0_stone, at(lying.T_W_O, 1_stone)}, {1_stone, at(lying.T_W_O, 3_stone)}});
+  EXPECT_EQ(pile.observed(tower, false).stack.size(), 2U);
+  EXPECT_EQ(pile.observed(tower, true).stack.size(), 1U);
 }
 
 }  // namespace

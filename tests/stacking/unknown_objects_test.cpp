@@ -9,6 +9,7 @@
 #include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
 #include "stonestack/stacking/build_tower.hpp"
+#include "unknown_pile.hpp"
 
 namespace stonestack::stacking {
 namespace {
@@ -54,33 +55,28 @@ TEST(UnknownObjects, AreSeenWhereTheyLie) {
   }
 }
 
-/// Obstacles after a view of a stone on another at the site, neither of them in the catalogue.
-std::vector<Obstacle> seen_at_site() {
-  const Catalogue truth = read_catalogue(data_path("stones"));
-  const RobotModel robot = read_robot("ur10");
-  simulation::SimulatedCell cell{
-      truth.stones, {1_stone, 2_stone, 3_stone}, robot, CellLayout{}, FirstLook::with_foreign(0)};
-  const Eigen::Vector2d site = CellLayout{}.site;
-  cell.place(1_stone, make_pose({site.x(), site.y(), 0.03}));
-  cell.place(3_stone, make_pose({site.x() + 0.01, site.y(), 0.10}));
-  Catalogue known;
-  known.stones = {truth[2_stone]};
-  const BuildOptions options;
-  const Models models = make_models(known, robot, CellLayout{});
-  const DetectionModels detection(known.stones, options.detection);
-  StageSeconds seconds;
-  Workcell workcell{cell.cell(), models, detection, options, seconds, [](const Event&) {}, {}};
-  Expectation later;
-  later.friction = make_memory(options).friction;
-  later.was_built = true;
-  return observe(workcell, later, [](const WorldEstimate&) {}).world.layout.obstacles;
+/// True where something unknown at the site is kept clear of.
+bool is_kept_clear(const WorldEstimate& world) {
+  const auto& obstacles = world.layout.obstacles;
+  return std::any_of(obstacles.begin(), obstacles.end(),
+                     [&](const Obstacle& object) { return ground_of(object).contains(world.layout.site); });
 }
 
 TEST(UnknownObjects, AtTheSiteAreInTheWayWhereNoTowerStands) {
-  const Eigen::Vector2d site = CellLayout{}.site;
-  const auto covers_site = [&](const Obstacle& object) { return ground_of(object).contains(site); };
-  const std::vector<Obstacle> seen = seen_at_site();
-  EXPECT_TRUE(std::any_of(seen.begin(), seen.end(), covers_site)) << seen.size();
+  stonestack::test::UnknownPile pile({2_stone});
+  EXPECT_TRUE(is_kept_clear(pile.observed()));
+}
+
+TEST(UnknownObjects, OnATowerAreInTheWay) {
+  stonestack::test::UnknownPile pile({1_stone, 2_stone});
+  const WorldEstimate world = pile.observed(as_estimates({{0_stone, pile.T_W_lower}}));
+  ASSERT_EQ(world.stack.size(), 1U) << "nobody has touched it";
+  EXPECT_TRUE(is_kept_clear(world));
+  stonestack::test::UnknownPile all({1_stone, 2_stone, 3_stone});
+  const WorldEstimate tower =
+      all.observed(as_estimates({{0_stone, all.T_W_lower}, {2_stone, all.T_W_upper}}));
+  EXPECT_EQ(tower.stack.size(), 2U);
+  EXPECT_FALSE(is_kept_clear(tower)) << "it is the tower";
 }
 
 TEST(UnknownObjects, AreTakenForNoStoneLater) {
