@@ -93,10 +93,12 @@ DetectionModel make_detection_model(const Stone& stone) {
                        SurfaceTree(stone.mesh),
                        {},
                        {},
+                       {},
                        {}};
   model.drawn = reduce_mesh(stone.mesh, kDrawnFaces);
   if (model.drawn.faces.empty()) model.drawn = stone.mesh;  // cannot be reduced
   model.drawn_normals = face_normals(model.drawn);
+  model.sigma = surface_sigma(stone, model.surface, model.mesh, model.drawn);
   for (const auto& p : stone.mesh.vertices) model.radius = std::max(model.radius, (p - model.centre).norm());
   model.sides = make_sides(model.surface);
   return model;
@@ -119,7 +121,8 @@ bool explains(const DetectionModel& model, const Pose& T_C_O, const Eigen::Vecto
   if (k < 0) return false;
   const Eigen::Vector3f d = q - model.surface.points[static_cast<std::size_t>(k)];
   return model.surface.normals[static_cast<std::size_t>(k)].dot(d) < 0 ||
-         d.norm() < static_cast<float>(margin);
+         d.norm() <
+             std::max(static_cast<float>(margin), 2.0F * model.sigma.samples[static_cast<std::size_t>(k)]);
 }
 
 DetectionScene without_stones(DetectionScene scene, const DetectionModels::Data& data,

@@ -4,6 +4,7 @@
 
 #include "detection/features/made_once.hpp"
 #include "detection/features/surface_field.hpp"
+#include "detection/features/surface_sigma.hpp"
 #include "detection/scene/preprocess.hpp"
 #include "geometry/surface_tree.hpp"
 #include "stonestack/detection/detect_stones.hpp"
@@ -36,6 +37,7 @@ struct DetectionModel {
   SurfacePoints surface;                       ///< dense samples, for registration
   SurfaceField field;                          ///< over them
   SurfaceTree tree;                            ///< over the mesh itself
+  SurfaceSigma sigma;                          ///< of all of these
   std::vector<ModelSide> sides;
   MadeOnce<Features> features;             ///< see `features_of`
   MadeOnce<std::vector<Pose>> symmetries;  ///< see `symmetries_of`
@@ -57,7 +59,8 @@ struct DetectionModels::Data {
 /// Prepares one stone.
 [[nodiscard]] DetectionModel make_detection_model(const Stone& stone);
 
-/// True if `p_C` lies within `margin` of the surface of the model at T_C_O, or inside it.
+/// True if `p_C` lies within `margin` of the surface of the model at T_C_O, or of where that may be, or
+/// inside it.
 [[nodiscard]] bool explains(const DetectionModel& model, const Pose& T_C_O, const Eigen::Vector3f& p_C,
                             double margin);
 

@@ -42,7 +42,8 @@ Normal accumulate(const DetectionModel& model, const Pose& T_O_C, const SurfaceP
     if (n.dot(T.linear() * seen.normals[static_cast<std::size_t>(i)]) < static_cast<float>(min_cosine))
       continue;
     const float r = n.dot(q - s);
-    const float w = 1.0F / (1.0F + r * r * inverse);
+    const float of_model = 2.0F * model.sigma.samples[static_cast<std::size_t>(k)];
+    const float w = 1.0F / (1.0F + (r * r + of_model * of_model) * inverse);
     J.head<3>() = n;
     J.segment<3>(3) = (q - centre).cross(n);
     for (std::size_t c = 0; c < columns.size(); ++c) columns[c] += (w * J[static_cast<Eigen::Index>(c)]) * J;

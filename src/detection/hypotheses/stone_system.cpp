@@ -12,8 +12,9 @@ constexpr double kGate = 0.004;           // m: further off is another surface
 constexpr double kSystemRobust = 0.0015;  // m, residual at which a point counts half
 constexpr float kSystemMinCosine = 0.6F;  // between seen and model normal
 constexpr double kSlantNoise = 1.6;       // variance over that of the table: stone is seen at more of a slant
+constexpr double kAlikePoints = 30.0;     // that share one error of the model: it is alike over 15 mm
 constexpr double kMeshSigma =
-    0.0017;                       // m, of a point: 500 faces are 0.3 mm off, alike over 15 mm (30 points)
+    0.0017;                       // m, of a point: 500 faces are 0.3 mm off, times the root of these points
 constexpr int kMaxPatches = 150;  // of the stone itself: more are joined
 constexpr int kFurthestRing = 4;  // patches beside the stone
 
@@ -88,10 +89,14 @@ LinearSystem StoneInView::normal_equations(const DetectionModel& model, const Po
     if (n_V.cast<float>().dot(s.normal_V) < kSystemMinCosine) continue;
     const double slope = n_V.dot(p_V) / p_V.z(), r = near.normal.dot(q - near.point);
     const double left = r - slope * error_(s.patch);
-    if (std::abs(left) > kGate) continue;
+    const double sigma =
+        sigma_of_face(model.sigma.mesh, model.mesh.faces[static_cast<std::size_t>(near.face)]);
+    if (std::abs(left) > widened(kGate, sigma)) continue;
     // Off the surface, not along the ray: what a slant takes off the noise, depth cameras add at a slant.
-    const double variance = kSlantNoise * noise_ / s.pixels + kMeshSigma * kMeshSigma;
-    const double w = 1.0 / (1.0 + left * left / (kSystemRobust * kSystemRobust)) / variance;
+    const double variance =
+        kSlantNoise * noise_ / s.pixels + kMeshSigma * kMeshSigma + kAlikePoints * sigma * sigma;
+    const double robust2 = kSystemRobust * kSystemRobust + sigma * sigma;
+    const double w = 1.0 / (1.0 + left * left / robust2) / variance;
     Vector12 J;
     J << near.normal, (q - model.centre).cross(near.normal), n_V, p_V.cross(n_V);
     out.H.selfadjointView<Eigen::Lower>().rankUpdate(J, w);

@@ -31,7 +31,8 @@ bool one_surface(const DepthImage& depth, int u, int v, int to_u, int to_v) {
 
 }  // namespace
 
-ContourTally compare_contour(const SeenView& view, const DrawnModel& drawn, double reach) {
+ContourTally compare_contour(const SeenView& view, const DrawnModel& drawn, double reach,
+                             std::span<const double> weights) {
   ContourTally tally;
   const CameraIntrinsics& camera = view.depth.camera;
   const auto in_image = [&](int u, int v) {
@@ -60,8 +61,10 @@ ContourTally compare_contour(const SeenView& view, const DrawnModel& drawn, doub
         if (known(in_u, in_v) || known(out_u, out_v)) continue;
         if (!(view.depth.at(in_u, in_v) > 0) || !(view.depth.at(out_u, out_v) > 0)) continue;
         if (!shows_model(x, y, d, beside)) continue;
-        ++tally.seen;
-        tally.goes_on += one_surface(view.depth, in_u, in_v, out_u, out_v) ? 1 : 0;
+        const auto face = static_cast<std::size_t>(drawn.face[static_cast<std::size_t>(y * drawn.width + x)]);
+        const double weight = weights.empty() ? 1.0 : weights[face];
+        tally.seen += weight;
+        tally.goes_on += one_surface(view.depth, in_u, in_v, out_u, out_v) ? weight : 0.0;
       }
     }
   return tally;

@@ -1,4 +1,6 @@
 #pragma once
+#include <span>
+
 #include "detection/judge/draw_model.hpp"
 #include "detection/scene/preprocess.hpp"
 
@@ -15,6 +17,8 @@ struct ContourTally {
 /// stone is seen, of which the model fits a part: flat stones lie in each other's faces without a pixel that
 /// contradicts. The model counts as seen within the outline where the depth is at most `reach` [m] off: what
 /// stands in front of it has outlines of its own.
-[[nodiscard]] ContourTally compare_contour(const SeenView& view, const DrawnModel& drawn, double reach);
+/// @param weights what places on each face count; empty: 1
+[[nodiscard]] ContourTally compare_contour(const SeenView& view, const DrawnModel& drawn, double reach,
+                                           std::span<const double> weights = {});
 
 }  // namespace stonestack::detection

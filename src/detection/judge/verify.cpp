@@ -48,12 +48,15 @@ int drawing_step(const DetectionModel& model, const Pose& T_C_O, const CameraInt
   return std::clamp(static_cast<int>(std::lround(std::sqrt(in_view / pixels))), 1, 16);
 }
 
-/// Depth [m] of the model's deepest vertex below what carries things there; 0 without a table.
+/// Depth [m] of the model's deepest vertex below what carries things there, as far as the vertex is known; 0
+/// without a table.
 double below_support(const DetectionModel& model, const Pose& T_C_O, const DetectionScene& scene) {
   const auto planes = planes_below(scene, T_C_O * model.centre);
   double deepest = 0;
-  for (const auto& p : model.drawn.vertices)
-    for (const auto& plane : planes) deepest = std::max(deepest, -plane.distance(T_C_O * p));
+  for (std::size_t v = 0; v < model.drawn.vertices.size(); ++v)
+    for (const auto& plane : planes)
+      deepest =
+          std::max(deepest, -plane.distance(T_C_O * model.drawn.vertices[v]) - 2.0 * model.sigma.drawn[v]);
   return deepest;
 }
 
@@ -82,21 +85,25 @@ ComparedPixel compare_pixel(const DepthImage& depth, int u, int v, double z, con
 }
 
 /// Adds one drawn pixel with a depth to the tally; true if it fits.
+/// @param sigma of the model's surface there [m]
 bool count_pixel(const DepthImage& depth, int u, int v, double z, const Eigen::Vector3d& normal_C,
-                 const VerifyOptions& options, Tally& tally) {
-  const ComparedPixel pixel = compare_pixel(depth, u, v, z, normal_C, options.tolerance);
-  if (pixel.evidence == PixelEvidence::kSeenThrough) ++tally.through;
-  if (pixel.evidence == PixelEvidence::kInFront) ++tally.just_in_front;
-  if (pixel.evidence == PixelEvidence::kHidden) ++tally.hidden;
+                 double sigma, const VerifyOptions& options, Tally& tally) {
+  const double tolerance = widened(options.tolerance, sigma);
+  const double weight = evidence_weight(options.tolerance, sigma);
+  const ComparedPixel pixel = compare_pixel(depth, u, v, z, normal_C, tolerance);
+  if (pixel.evidence == PixelEvidence::kSeenThrough) tally.through += weight;
+  if (pixel.evidence == PixelEvidence::kInFront) tally.just_in_front += weight;
+  if (pixel.evidence == PixelEvidence::kHidden) tally.hidden += weight;
   if (pixel.evidence != PixelEvidence::kFits) return false;
-  const double ratio = pixel.off / options.tolerance;
+  const double ratio = pixel.off / tolerance;
   const Eigen::Vector3d seen = seen_normal(depth, u, v);
   const double agree =
       seen.isZero() ? 1.0
                     : std::clamp((seen.dot(normal_C) - kCosineNone) / (kCosineFull - kCosineNone), 0.0, 1.0);
-  ++tally.fits;
-  tally.quality += (1.0 - ratio * ratio) * agree;
-  tally.area += z * z / (depth.camera.fx * depth.camera.fy * std::max(pixel.slope, 0.1));
+  tally.fits += weight;
+  tally.quality += weight * (1.0 - ratio * ratio) *
+                   (agree + (1.0 - weight) * (1.0 - agree));  // a guess has a guessed normal
+  tally.area += weight * z * z / (depth.camera.fx * depth.camera.fy * std::max(pixel.slope, 0.1));
   return true;
 }
 
@@ -105,18 +112,21 @@ double share_beyond(const DetectionModel& model, const Pose& T_C_O, const Surfac
                     std::span<const int> around, const VerifyOptions& options) {
   const Eigen::Isometry3f T = T_C_O.inverse().cast<float>();
   const auto centre = model.centre.cast<float>().eval();
-  const auto near = static_cast<float>(1.5 * options.tolerance), far = static_cast<float>(kBesideModel);
+  const auto far = static_cast<float>(kBesideModel);
   const auto reach = static_cast<float>(model.radius + kBesideModel);
-  int at = 0, off = 0;
+  double at = 0, off = 0;
   for (const int i : around) {
     const Eigen::Vector3f q = T * seen.points[static_cast<std::size_t>(i)];
     if ((q - centre).squaredNorm() > reach * reach) continue;
     const int k = model.field.nearest(q);
     if (k < 0) continue;
     const float d = (q - model.surface.points[static_cast<std::size_t>(k)]).norm();
-    if (d < far) ++(d < near ? at : off);
+    if (!(d < far)) continue;
+    const double sigma = model.sigma.samples[static_cast<std::size_t>(k)];
+    const auto near = static_cast<float>(1.5 * widened(options.tolerance, sigma));
+    (d < near ? at : off) += evidence_weight(options.tolerance, sigma);
   }
-  return at + off > 0 ? static_cast<double>(off) / (at + off) : 0.0;
+  return at + off > 0 ? off / (at + off) : 0.0;
 }
 
 /// Compares one view with the model drawn into it.
@@ -133,14 +143,19 @@ void tally_view(const DetectionModel& model, const Pose& T_V_O, const SeenView& 
       const int u = drawn.u0 + x * step, v = drawn.v0 + y * step;
       const auto pixel = static_cast<std::size_t>(v * camera.width + u);
       if (!view.explained.empty() && view.explained[pixel] != 0) continue;
-      ++tally.drawn;
+      const double sigma =
+          sigma_of_face(model.sigma.drawn, model.drawn.faces[static_cast<std::size_t>(drawn.face[i])]);
+      tally.drawn += evidence_weight(options.tolerance, sigma);
       if (view.depth.z[pixel] <= 0) continue;
       const bool fits =
-          count_pixel(view.depth, u, v, drawn.z[i], drawn_normal(drawn, camera, x, y), options, tally);
+          count_pixel(view.depth, u, v, drawn.z[i], drawn_normal(drawn, camera, x, y), sigma, options, tally);
       if (fits && options.keep_pixels) verdict.pixels.push_back({index, static_cast<int>(pixel), step});
     }
   if (options.contour) {
-    const ContourTally contour = compare_contour(view, drawn, kContourReach * options.tolerance);
+    std::vector<double> weights;  // of the faces
+    for (const auto& face : model.drawn.faces)
+      weights.push_back(evidence_weight(options.tolerance, sigma_of_face(model.sigma.drawn, face)));
+    const ContourTally contour = compare_contour(view, drawn, kContourReach * options.tolerance, weights);
     tally.contour.seen += contour.seen, tally.contour.goes_on += contour.goes_on;
   }
   verdict.visible =
@@ -197,8 +212,12 @@ std::vector<PixelEvidence> pixel_evidence(const DetectionModel& model, const Pos
       const auto i = static_cast<std::size_t>(y * drawn.width + x);
       if (drawn.z[i] == 0.0F) continue;
       const int u = drawn.u0 + x, v = drawn.v0 + y;
+      const double sigma =
+          sigma_of_face(model.sigma.drawn, model.drawn.faces[static_cast<std::size_t>(drawn.face[i])]);
       evidence[static_cast<std::size_t>(v * camera.width + u)] =
-          compare_pixel(view.depth, u, v, drawn.z[i], drawn_normal(drawn, camera, x, y), tolerance).evidence;
+          compare_pixel(view.depth, u, v, drawn.z[i], drawn_normal(drawn, camera, x, y),
+                        widened(tolerance, sigma))
+              .evidence;
     }
   return evidence;
 }

@@ -40,7 +40,8 @@ struct VerifyOptions {
 /// fits the better, the nearer it lies and the better the normals agree; it contradicts if the surface behind
 /// is seen (one would look through stone) or one just in front; far in front something may hide the model.
 /// Seen points just off the model's surface contradict too (the surface goes on where the model ends), and so
-/// does a pose below the table. With `contour`, what is seen must end or bend where the model ends
+/// does a pose below the table. Where the model's surface is known with an error only (SurfaceSigma), more is
+/// tolerated and the place counts less. With `contour`, what is seen must end or bend where the model ends
 /// (compare_contour). Pixels that are explained by known stones carry no evidence.
 [[nodiscard]] Verdict verify_pose(const DetectionModel& model, const Pose& T_C_O, const DetectionScene& scene,
                                   const VerifyOptions& options);
