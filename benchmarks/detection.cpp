@@ -9,6 +9,7 @@
 #include "detection/trace.hpp"
 #include "detection_bop.hpp"
 #include "detection_tally.hpp"
+#include "modelled_stones.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/detection/detect_stones.hpp"
@@ -25,6 +26,7 @@ struct DetectionBench {
   std::string trace;
   std::string bop, bop_split = "test", bop_csv = "stonestack_bop.csv";
   bool list = false;
+  int attitudes = 0;
   CameraError camera_error;
 };
 
@@ -46,8 +48,19 @@ std::string csv_of(const std::string& path, const std::string& method) {
 /// Detection of known stones in scenes.
 struct Detector {
   SceneMaker maker;
+  std::vector<StoneFromViews> from_views;  ///< empty: models are the scans
   DetectionModels models;
 };
+
+Detector make_detector(const std::vector<Stone>& stones, const DetectionOptions& options,
+                       const DetectionBench& settings) {
+  SceneMaker maker(stones);
+  if (settings.attitudes == 0) return {std::move(maker), {}, DetectionModels(stones, options)};
+  auto from_views = stones_from_views(maker, settings.attitudes, settings.common.seed);
+  std::vector<Stone> models;
+  for (const auto& one : from_views) models.push_back(one.stone);
+  return {std::move(maker), std::move(from_views), DetectionModels(models, options)};
+}
 
 DetectionTally detect_in(const SceneKind& kind, int scene_number, const Detector& detector,
                          const std::vector<Stone>& stones, DetectionOptions options,
@@ -56,7 +69,9 @@ DetectionTally detect_in(const SceneKind& kind, int scene_number, const Detector
   DetectionTally tally;
   const auto seed =
       static_cast<std::uint64_t>(settings.common.seed) * 100000 + static_cast<std::uint64_t>(scene_number);
-  const auto scene = detector.maker.make(kind, seed, settings.camera_error);
+  auto scene = detector.maker.make(kind, seed, settings.camera_error);
+  if (!detector.from_views.empty())
+    for (TrueStone& t : scene.truth) t.T_C_O = t.T_C_O * at(detector.from_views, t.stone).T_scan_O;
   if (settings.list) results.note("  %s %d", kind.name.c_str(), scene_number);
   const Stopwatch watch;
   const double start = processor_seconds();
@@ -77,6 +92,7 @@ void measure(DetectionBench& settings, const std::vector<Stone>& stones, Results
   results.settings({{"scenes", settings.scenes},
                     {"first", settings.first},
                     {"models", stones.size()},
+                    {"attitudes", settings.attitudes},
                     {"right_within_deg", 5.0},
                     {"right_within_mm", 5.0},
                     {"camera_shift_m", settings.camera_error.shift},
@@ -86,7 +102,7 @@ void measure(DetectionBench& settings, const std::vector<Stone>& stones, Results
   for (const auto& method : settings.methods) {
     const DetectionOptions options = options_for(method, settings);
     std::optional<Detector> detector;
-    if (draws.performs()) detector.emplace(Detector{SceneMaker(stones), DetectionModels(stones, options)});
+    if (draws.performs()) detector.emplace(make_detector(stones, options, settings));
     for (const auto& kind : kinds) {
       const auto& wanted = settings.kinds;
       if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), kind.name) == wanted.end()) continue;
@@ -116,6 +132,11 @@ void add_detection(CLI::App& app) {
                   "isolated,touching,stacked,few,d435,copies,mirrored,hidden,two_views; all if empty")
       ->delimiter(',');
   sub->add_option("--methods", command->methods, "default,paper")->delimiter(',')->capture_default_str();
+  sub->add_option(
+         "--attitudes", command->attitudes,
+         "Models from views of the stones in so many attitudes, as run --unseen makes them; 0: scans")
+      ->check(CLI::Range(0, 6))
+      ->capture_default_str();
   sub->add_flag("--list", command->list, "Every detection, miss and false accept");
   sub->add_option("--bop", command->bop, "Detect in a data set of the BOP layout in place of our scenes")
       ->type_name("DIR");

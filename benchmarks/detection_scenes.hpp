@@ -61,6 +61,11 @@ class SceneMaker {
   explicit SceneMaker(const std::vector<Stone>& stones);
   [[nodiscard]] BenchScene make(const SceneKind& kind, std::uint64_t seed,
                                 const CameraError& error = {}) const;
+  /// Views of one stone at rest in a drawn attitude, evenly around it; the pose of the first is exact.
+  [[nodiscard]] BenchScene views_around(StoneIndex stone, int views, std::uint64_t seed,
+                                        const CameraError& error = {}) const;
+  /// Stones that the scenes are made of.
+  [[nodiscard]] const std::vector<Stone>& stones() const { return stones_; }
 
  private:
   [[nodiscard]] double gap(StoneIndex a, const Pose& T_W_A, StoneIndex b, const Pose& T_W_B) const;

@@ -37,6 +37,22 @@ TEST_F(BenchCommand, AStoneSeenInAMirrorIsNotFound) {
   EXPECT_EQ(found["false"], 0) << "another stone, which fits the mirror image with 0.875";
 }
 
+TEST_F(BenchCommand, StonesModelledFromViewsAreFoundWhereTheScannedStonesLie) {
+  ASSERT_EQ(run_stonestack("scan --generate 2 --seed 3 --catalogue two").code, 0);
+  const std::string common = "detection --catalogue two --seed 4 --kinds isolated --scenes 8 --json";
+  const Outcome bench = run(common + " --attitudes 1"), of_scans = run(common);
+  ASSERT_EQ(bench.code, 0) << bench.err;
+  ASSERT_EQ(of_scans.code, 0) << of_scans.err;
+  EXPECT_EQ(bench.data()["settings"]["attitudes"], 1);
+  const json found = rows_of(bench.data(), "detection")[0];
+  const json scanned = rows_of(of_scans.data(), "detection")[0];
+  EXPECT_EQ(found["present"], 16);
+  EXPECT_EQ(scanned["right"], 16);
+  EXPECT_GE(found["right"].get<int>(), 6) << "within 5 deg and 5 mm of the scanned stones";
+  EXPECT_LT(found["right"].get<int>(), 16) << "some show a side that no view has seen";
+  EXPECT_LE(found["wrong"].get<int>(), 1);
+}
+
 /// Each at its smallest. `detection` and `rtde` have tests of their own.
 TEST_F(BenchCommand, EveryBenchmarkReportsTablesAsData) {
   const std::map<std::string, std::string> tables{
