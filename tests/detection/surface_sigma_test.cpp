@@ -133,6 +133,39 @@ TEST_F(GuessedSide, ExplainsSurfaceWithinTwoStandardDeviations) {
   EXPECT_TRUE(explains(make_detection_model(known), Pose::Identity(), beside, 0.004));
 }
 
+TEST_F(GuessedSide, ThatReachesIntoTheTableCostsNothing) {
+  Stone deep = stone;  // its underside is guessed too deep
+  SurfaceKnowledge surface;
+  const auto below = [](const Eigen::Vector3d& p_O) { return 0.02 * std::clamp(-p_O.z() / 0.02, 0.0, 1.0); };
+  for (const Eigen::Vector3d& p : stone.scan.vertices) {
+    surface.sigma.push_back(below(p));
+    surface.seen.push_back(below(p) > 0.0 ? 0 : 1);
+  }
+  for (Mesh* mesh : {&deep.mesh, &deep.scan})
+    for (Eigen::Vector3d& p : mesh->vertices) p.z() -= below(p);
+  EXPECT_GT(verify_pose(make_detection_model(deep), T_C_O, scene, {}).lost.below, 0.2);
+  deep.surface = surface;
+  EXPECT_EQ(verify_pose(make_detection_model(deep), T_C_O, scene, {}).lost.below, 0.0);
+}
+
+TEST_F(GuessedSide, ThatIsTooSmallMayHaveSurfaceThatGoesOn) {
+  Stone flat = stone;  // the guessed side lies within the stone: the surface goes on where the model ends
+  SurfaceKnowledge surface;
+  for (const Eigen::Vector3d& p : stone.scan.vertices) {
+    surface.sigma.push_back(bulge_at(p));
+    surface.seen.push_back(bulge_at(p) > 0.0 ? 0 : 1);
+  }
+  for (Mesh* mesh : {&flat.mesh, &flat.scan})
+    for (Eigen::Vector3d& p : mesh->vertices) p -= 1.5 * bulge_at(p) * p.normalized();
+  VerifyOptions strict;
+  strict.contour = true;
+  const ScoreLosses trusting = verify_pose(make_detection_model(flat), T_C_O, scene, strict).lost;
+  flat.surface = surface;
+  const ScoreLosses wary = verify_pose(make_detection_model(flat), T_C_O, scene, strict).lost;
+  EXPECT_GT(trusting.outline, 0.05) << "the trap is gone: the surface ends with the model";
+  EXPECT_LT(wary.outline, 0.5 * trusting.outline);
+}
+
 TEST(SurfaceSigma, IsThatOfTheNearestPlaceOfTheScan) {
   const Stone known = with_known_guess(test::make_test_stone(5));
   const DetectionModel model = make_detection_model(known);
