@@ -133,7 +133,7 @@ TEST_F(GuessedSide, ExplainsSurfaceWithinTwoStandardDeviations) {
   EXPECT_TRUE(explains(make_detection_model(known), Pose::Identity(), beside, 0.004));
 }
 
-TEST_F(GuessedSide, ThatReachesIntoTheTableCostsNothing) {
+TEST_F(GuessedSide, ReachesIntoTheTableAtNoCost) {
   Stone deep = stone;  // its underside is guessed too deep
   SurfaceKnowledge surface;
   const auto below = [](const Eigen::Vector3d& p_O) { return 0.02 * std::clamp(-p_O.z() / 0.02, 0.0, 1.0); };
@@ -148,7 +148,7 @@ TEST_F(GuessedSide, ThatReachesIntoTheTableCostsNothing) {
   EXPECT_EQ(verify_pose(make_detection_model(deep), T_C_O, scene, {}).lost.below, 0.0);
 }
 
-TEST_F(GuessedSide, ThatIsTooSmallMayHaveSurfaceThatGoesOn) {
+TEST_F(GuessedSide, MayEndWithinTheStone) {
   Stone flat = stone;  // the guessed side lies within the stone: the surface goes on where the model ends
   SurfaceKnowledge surface;
   for (const Eigen::Vector3d& p : stone.scan.vertices) {
