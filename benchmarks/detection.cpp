@@ -45,42 +45,42 @@ std::string csv_of(const std::string& path, const std::string& method) {
   return (file.parent_path() / (method + "-" + file.filename().string())).string();
 }
 
-/// Detection of known stones in scenes.
-struct Detector {
+/// Stones that scenes show, and what detection knows of them.
+struct KnownStones {
   SceneMaker maker;
-  std::vector<StoneFromViews> from_views;  ///< empty: models are the scans
-  DetectionModels models;
+  std::vector<Stone> models;   ///< the scans, or what views show of them
+  std::vector<Pose> T_scan_O;  ///< frames of the models in those of the scans
 };
 
-Detector make_detector(const std::vector<Stone>& stones, const DetectionOptions& options,
-                       const DetectionBench& settings) {
-  SceneMaker maker(stones);
-  if (settings.attitudes == 0) return {std::move(maker), {}, DetectionModels(stones, options)};
-  auto from_views = stones_from_views(maker, settings.attitudes, settings.common.seed);
-  std::vector<Stone> models;
-  for (const auto& one : from_views) models.push_back(one.stone);
-  return {std::move(maker), std::move(from_views), DetectionModels(models, options)};
+KnownStones known_stones(const std::vector<Stone>& stones, const DetectionBench& settings) {
+  KnownStones known{SceneMaker(stones), {}, {}};
+  if (settings.attitudes == 0)
+    return {std::move(known.maker), stones, std::vector<Pose>(stones.size(), Pose::Identity())};
+  for (auto& one : stones_from_views(known.maker, settings.attitudes, settings.common.seed)) {
+    known.models.push_back(std::move(one.stone));
+    known.T_scan_O.push_back(one.T_scan_O);
+  }
+  return known;
 }
 
-DetectionTally detect_in(const SceneKind& kind, int scene_number, const Detector& detector,
-                         const std::vector<Stone>& stones, DetectionOptions options,
+DetectionTally detect_in(const SceneKind& kind, int scene_number, const KnownStones& known,
+                         const DetectionModels& models, DetectionOptions options,
                          const DetectionBench& settings, Results& results) {
   options.copies = kind.copies;
   DetectionTally tally;
   const auto seed =
       static_cast<std::uint64_t>(settings.common.seed) * 100000 + static_cast<std::uint64_t>(scene_number);
-  auto scene = detector.maker.make(kind, seed, settings.camera_error);
-  if (!detector.from_views.empty())
-    for (TrueStone& t : scene.truth) t.T_C_O = t.T_C_O * at(detector.from_views, t.stone).T_scan_O;
+  auto scene = known.maker.make(kind, seed, settings.camera_error);
+  for (TrueStone& t : scene.truth) t.T_C_O = t.T_C_O * at(known.T_scan_O, t.stone);
   if (settings.list) results.note("  %s %d", kind.name.c_str(), scene_number);
   const Stopwatch watch;
   const double start = processor_seconds();
-  const auto result = detect_stones(scene.views, detector.models, {}, options);
+  const auto result = detect_stones(scene.views, models, {}, options);
   tally.cpu = processor_seconds() - start;
   tally.wall = watch.seconds();
-  judge(result, scene, kind, stones.size(), settings.list ? &results : nullptr, tally);
+  judge(result, scene, kind, known.models.size(), settings.list ? &results : nullptr, tally);
   if (result.trace)
-    write_trace(concat(settings.trace, "/", kind.name, "_", scene_number), *result.trace, stones);
+    write_trace(concat(settings.trace, "/", kind.name, "_", scene_number), *result.trace, known.models);
   return tally;
 }
 
@@ -99,15 +99,17 @@ void measure(DetectionBench& settings, const std::vector<Stone>& stones, Results
                     {"camera_turn_rad", settings.camera_error.turn},
                     {"seed", settings.common.seed}});
   results.table("detection", detection_columns());
+  std::optional<KnownStones> known;
+  if (draws.performs()) known.emplace(known_stones(stones, settings));
   for (const auto& method : settings.methods) {
     const DetectionOptions options = options_for(method, settings);
-    std::optional<Detector> detector;
-    if (draws.performs()) detector.emplace(make_detector(stones, options, settings));
+    std::optional<DetectionModels> models;
+    if (draws.performs()) models.emplace(known->models, options);
     for (const auto& kind : kinds) {
       const auto& wanted = settings.kinds;
       if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), kind.name) == wanted.end()) continue;
       const auto tallies = draws.outcomes(concat(method, ' ', kind.name), settings.scenes, [&](int i) {
-        return detect_in(kind, settings.first + i, *detector, stones, options, settings, results);
+        return detect_in(kind, settings.first + i, *known, *models, options, settings, results);
       });
       throw_if_interrupted();
       if (tallies.empty()) continue;
@@ -132,9 +134,9 @@ void add_detection(CLI::App& app) {
                   "isolated,touching,stacked,few,d435,copies,mirrored,hidden,two_views; all if empty")
       ->delimiter(',');
   sub->add_option("--methods", command->methods, "default,paper")->delimiter(',')->capture_default_str();
-  sub->add_option(
-         "--attitudes", command->attitudes,
-         "Models from views of the stones in so many attitudes, as run --unseen makes them; 0: scans")
+  sub->add_option("--attitudes", command->attitudes,
+                  "Models from four views of each stone in so many attitudes at most, as run --unseen makes "
+                  "them; 0: scans")
       ->check(CLI::Range(0, 6))
       ->capture_default_str();
   sub->add_flag("--list", command->list, "Every detection, miss and false accept");
@@ -171,6 +173,7 @@ void add_detection(CLI::App& app) {
   measure_draws_by(*sub, [command](Results& results, Draws& draws) {
     if (command->bop.empty()) return measure(*command, command->common.read().stones, results, draws);
     require(!draws.divided(), "--shard and --merge are for our scenes, not for --bop");
+    require(command->attitudes == 0, "--attitudes is for our scenes, not for --bop");
     results.settings({{"bop", command->bop}, {"split", command->bop_split}});
     const bool several = command->methods.size() > 1;
     for (const auto& method : command->methods)

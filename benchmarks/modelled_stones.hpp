@@ -16,7 +16,9 @@ struct StoneFromViews {
 
 /// Models each stone of the maker from four views a resting attitude, without its scan: drawn attitudes, of
 /// which the second and further ones are joined with the model where both show enough of the same surface.
-/// @param attitudes in which each stone is seen, at least 1
+/// How the stone lies then is sought from the true pose on, where a run knows where it meant to set the stone
+/// down.
+/// @param attitudes in which each stone is seen, 1 or more; fewer where ten drawn ones give no more to join
 /// @throws InvalidArgument for a stone that is not parted from the table in any of ten attitudes
 [[nodiscard]] std::vector<StoneFromViews> stones_from_views(const SceneMaker& maker, int attitudes,
                                                             std::uint64_t seed);
