@@ -7,10 +7,12 @@
 #
 #   stonestack_room(NAME core SOURCES error.cpp ... [LINK targets...] [SYSTEM_INCLUDE dirs...])
 #     in src/<room>/CMakeLists.txt: compiles the room and adds it to libstonestack.
+#   stonestack_link_whole_library(TARGET)
+#     links stonestack_internal, all of it and before the target's own objects.
 #   stonestack_install_program(TARGET [COMPONENT programs])
 #     a program that finds libstonestack from where it lies itself, wherever the prefix is moved to.
-#   stonestack_tests(core error_test.cpp ...)
-#     in tests/<room>/CMakeLists.txt: one test executable a room, test_<room>.
+#   stonestack_tests(core error_test.cpp ... [OPTIMISED slow_test.cpp ...])
+#     in tests/<room>/CMakeLists.txt: one test executable a room, test_<room>. OPTIMISED: files that calculate much themselves.
 
 add_library(stonestack_settings INTERFACE)
 target_compile_features(stonestack_settings INTERFACE cxx_std_20)
@@ -35,14 +37,16 @@ if(STONESTACK_SANITIZE)
 endif()
 
 set(STONESTACK_QUICK_TO_COMPILE $<$<CONFIG:Release>:-O1>)  # for files in which nothing is slow
+# Tests spend their time in the library. Compiling them takes less than half as long without optimisation.
+set(STONESTACK_QUICKEST_TO_COMPILE $<$<CONFIG:Release>:-O0>)
 set(STONESTACK_PRECOMPILED <Eigen/Cholesky> <Eigen/Core> <Eigen/Eigenvalues> <Eigen/Geometry>
   <algorithm> <array> <atomic> <charconv> <chrono> <cmath> <cstdint> <cstdio> <filesystem> <functional> <limits> <map> <memory> <mutex>
   <numbers> <numeric> <optional> <set> <span> <sstream> <string> <string_view> <thread> <utility> <variant> <vector>)
 
-# stonestack_precompiled(TARGET [LINK targets...] [HEADERS headers...]): a target whose precompiled header others reuse
+# stonestack_precompiled(TARGET [LINK targets...] [HEADERS headers...] [OPTIONS options...]): a target whose precompiled header others reuse
 # FOR_PROGRAMS: compiled for programs (-fPIE), as the files that reuse it are.
 function(stonestack_precompiled target)
-  cmake_parse_arguments(SHARED "FOR_PROGRAMS" "" "LINK;HEADERS" ${ARGN})
+  cmake_parse_arguments(SHARED "FOR_PROGRAMS" "" "LINK;HEADERS;OPTIONS" ${ARGN})
   file(CONFIGURE OUTPUT "${CMAKE_CURRENT_BINARY_DIR}/${target}.cpp" CONTENT "namespace stonestack {}\n")
   add_library(${target} OBJECT "${CMAKE_CURRENT_BINARY_DIR}/${target}.cpp")
   target_link_libraries(${target} PRIVATE stonestack_settings Eigen3::Eigen ${SHARED_LINK})
@@ -50,6 +54,7 @@ function(stonestack_precompiled target)
     set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE OFF)
     target_compile_options(${target} PRIVATE -fPIE)
   endif()
+  target_compile_options(${target} PRIVATE ${SHARED_OPTIONS})
   target_precompile_headers(${target} PRIVATE ${STONESTACK_PRECOMPILED} ${SHARED_HEADERS})
 endfunction()
 
@@ -87,6 +92,13 @@ function(stonestack_room)
   target_link_libraries(stonestack_internal PRIVATE ${ROOM_LINK})
 endfunction()
 
+# Of a template that the library and the program both instantiate the linker keeps the first. With the library first this is the optimised
+# one: what is tested and measured is the library as it is shipped.
+function(stonestack_link_whole_library target)
+  target_link_options(${target} PRIVATE LINKER:--whole-archive $<TARGET_FILE:stonestack_internal> LINKER:--no-whole-archive)
+  target_link_libraries(${target} PRIVATE stonestack_internal)
+endfunction()
+
 function(stonestack_install_program target)
   cmake_parse_arguments(INSTALLED "" "COMPONENT" "" ${ARGN})
   if(NOT INSTALLED_COMPONENT)
@@ -98,19 +110,24 @@ function(stonestack_install_program target)
 endfunction()
 
 function(stonestack_tests room)
+  cmake_parse_arguments(TESTS "" "" "OPTIMISED" ${ARGN})
   set(target test_${room})
-  add_executable(${target} ${ARGN})
+  add_executable(${target} ${TESTS_UNPARSED_ARGUMENTS} ${TESTS_OPTIMISED})
+  set_source_files_properties(${TESTS_OPTIMISED} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON SKIP_PRECOMPILE_HEADERS ON
+    COMPILE_OPTIONS ${STONESTACK_QUICK_TO_COMPILE})
   target_include_directories(${target} PRIVATE "${PROJECT_SOURCE_DIR}/tests")
   target_compile_definitions(${target} PRIVATE
     STONESTACK_SOURCE_DIR="${PROJECT_SOURCE_DIR}" STONESTACK_BINARY="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/stonestack")
   if(NOT TARGET stonestack_precompiled_tests)
-    stonestack_precompiled(stonestack_precompiled_tests FOR_PROGRAMS LINK GTest::gmock HEADERS <gmock/gmock.h> <gtest/gtest.h>)
+    stonestack_precompiled(stonestack_precompiled_tests FOR_PROGRAMS LINK GTest::gmock HEADERS <gmock/gmock.h> <gtest/gtest.h>
+      OPTIONS ${STONESTACK_QUICKEST_TO_COMPILE})
   endif()
   target_precompile_headers(${target} REUSE_FROM stonestack_precompiled_tests)
-  target_compile_options(${target} PRIVATE ${STONESTACK_QUICK_TO_COMPILE})
+  target_compile_options(${target} PRIVATE ${STONESTACK_QUICKEST_TO_COMPILE})
   if(TARGET stonestack_programs)
     add_dependencies(${target} stonestack_programs)
   endif()
-  target_link_libraries(${target} PRIVATE stonestack_internal GTest::gmock GTest::gtest_main)
+  stonestack_link_whole_library(${target})
+  target_link_libraries(${target} PRIVATE GTest::gmock GTest::gtest_main)
   gtest_discover_tests(${target} TEST_PREFIX "${room}." DISCOVERY_TIMEOUT 120 PROPERTIES TIMEOUT 900 LABELS ${room})
 endfunction()

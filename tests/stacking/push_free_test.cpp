@@ -32,6 +32,8 @@ struct Blocked {
   bool found = false;
 
   Blocked() {
+    found = try_box(0_stone, rest_poses(catalogue[0_stone]).at(2),
+                    0.0);  // it serves; others may, where it no longer does
     for (const StoneIndex index : {1_stone, 2_stone, 0_stone, 3_stone, 4_stone, 5_stone})
       for (const RestPose& rest : rest_poses(catalogue[index]))
         for (int k = 0; k < 16 && !found; ++k) found = try_box(index, rest, k * M_PI / 8);
