@@ -1,8 +1,11 @@
 #include "geometry/signed_distance.hpp"
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cmath>
-#include <cstdint>
+#include <memory>
+#include <vector>
 
 #include "geometry/surface_tree.hpp"
 #include "stonestack/core/error.hpp"
@@ -16,8 +19,6 @@ constexpr int kBrickNodes = kBrickCells + 1;  // neighbours repeat the shared no
 constexpr int kRow = kBrickNodes;
 constexpr int kLayer = kBrickNodes * kBrickNodes;
 constexpr int kBrickValues = kBrickNodes * kLayer;
-constexpr std::int32_t kFarOutside = -1;
-constexpr std::int32_t kFarInside = -2;
 constexpr double kMaxNodes = 64e6;
 
 constexpr int node_index(int x, int y, int z) {
@@ -26,79 +27,54 @@ constexpr int node_index(int x, int y, int z) {
 
 }  // namespace
 
-/// Cells in bricks of 4 x 4 x 4. Only bricks within the band hold values (float: 1 nm in 12 mm); the others
-/// decide on which side they are. A query touches one brick, 500 bytes.
+/// Cells in bricks of 4 x 4 x 4, each filled when a query first meets it: of a stone's shape most are never
+/// asked for, and filling all of them is dear. A query touches one brick, 500 bytes (float: 1 nm in 12 mm).
+/// What a brick holds does not depend on what was asked before, nor on the thread.
 struct SignedDistance::Grid {
+  using Brick = std::array<float, kBrickValues>;
+
+  SurfaceTree tree;
   Eigen::AlignedBox3d box;
   double cell = 0.0;
   double cells_per_metre = 0.0;
   double band = 0.0;
   Eigen::Array3i cells = Eigen::Array3i::Zero();
   Eigen::Array3i bricks = Eigen::Array3i::Zero();
-  std::vector<std::int32_t> brick;  ///< offset in `values`, kFarOutside or kFarInside
-  std::vector<float> values;
+  Brick outside{}, inside{};  ///< of all bricks that lie further from the surface than the band
+  mutable std::vector<std::atomic<const Brick*>> brick;  ///< null: not filled yet
 
-  [[nodiscard]] std::size_t brick_index(int x, int y, int z) const {
-    return static_cast<std::size_t>((z * bricks.y() + y) * bricks.x() + x);
+  explicit Grid(const Mesh& mesh) : tree(mesh) {}
+  Grid(const Grid&) = delete;
+  Grid& operator=(const Grid&) = delete;
+  ~Grid() {
+    for (const auto& one : brick) drop(one.load());
   }
-  void build(const SurfaceTree& tree);
-  int fill(const SurfaceTree& tree, const Eigen::Array3i& at, int likely_face);
-  [[nodiscard]] std::int32_t side_of_left_neighbour(const Eigen::Array3i& at) const;
-  [[nodiscard]] const float* neighbour_value(const Eigen::Array3i& at, const Eigen::Array3i& node) const;
+
+  void drop(const Brick* one) const {
+    if (one != &outside && one != &inside) delete one;
+  }
+  [[nodiscard]] const Brick& at(const Eigen::Array3i& index) const;
+  [[nodiscard]] const Brick* filled(const Eigen::Array3i& index) const;
 };
 
-void SignedDistance::Grid::build(const SurfaceTree& tree) {
-  brick.assign(static_cast<std::size_t>(bricks.prod()), kFarOutside);
+const SignedDistance::Grid::Brick& SignedDistance::Grid::at(const Eigen::Array3i& index) const {
+  auto& kept = brick[static_cast<std::size_t>((index.z() * bricks.y() + index.y()) * bricks.x() + index.x())];
+  const Brick* there = kept.load(std::memory_order_acquire);
+  if (there != nullptr) return *there;
+  const Brick* made = filled(index);
+  if (kept.compare_exchange_strong(there, made, std::memory_order_acq_rel)) return *made;
+  drop(made);  // another thread was quicker, with the same values
+  return *there;
+}
+
+const SignedDistance::Grid::Brick* SignedDistance::Grid::filled(const Eigen::Array3i& index) const {
   const double half_side = 0.5 * kBrickCells * cell;
-  const double reach = band + std::sqrt(3.0) * half_side;
-  int likely_face = -1;
-  for (int z = 0; z < bricks.z(); ++z) {
-    throw_if_interrupted();
-    for (int y = 0; y < bricks.y(); ++y) {
-      for (int x = 0; x < bricks.x(); ++x) {
-        const Eigen::Array3i at(x, y, z);
-        const Eigen::Vector3d middle =
-            box.min() + (at.cast<double>() * kBrickCells * cell + half_side).matrix();
-        const SurfacePoint nearest = tree.nearest(middle, reach, likely_face);
-        if (nearest.face >= 0)
-          likely_face = fill(tree, at, nearest.face);
-        else
-          brick[brick_index(x, y, z)] = side_of_left_neighbour(at);
-      }
-    }
-  }
-}
-
-/// A brick without surface near it is on the side where it touches the brick before it.
-std::int32_t SignedDistance::Grid::side_of_left_neighbour(const Eigen::Array3i& at) const {
-  if (at.x() == 0) return kFarOutside;
-  const std::int32_t left = brick[brick_index(at.x() - 1, at.y(), at.z())];
-  if (left < 0) return left;
-  return values[static_cast<std::size_t>(left + node_index(kBrickCells, 0, 0))] < 0.0F ? kFarInside
-                                                                                       : kFarOutside;
-}
-
-/// The value of a node on a low face of the brick, where an earlier brick holds it already; else null.
-const float* SignedDistance::Grid::neighbour_value(const Eigen::Array3i& at,
-                                                   const Eigen::Array3i& node) const {
-  for (int axis = 0; axis < 3; ++axis) {
-    if (node[axis] != 0 || at[axis] == 0) continue;
-    Eigen::Array3i other = at;
-    --other[axis];
-    const std::int32_t offset = brick[brick_index(other.x(), other.y(), other.z())];
-    if (offset < 0) continue;
-    Eigen::Array3i twin = node;
-    twin[axis] = kBrickCells;
-    return &values[static_cast<std::size_t>(offset + node_index(twin.x(), twin.y(), twin.z()))];
-  }
-  return nullptr;
-}
-
-int SignedDistance::Grid::fill(const SurfaceTree& tree, const Eigen::Array3i& at, int likely_face) {
-  const std::size_t offset = values.size();
-  require(offset + kBrickValues < static_cast<std::size_t>(INT32_MAX), "the distance grid is too fine");
-  values.resize(offset + kBrickValues);
-  brick[brick_index(at.x(), at.y(), at.z())] = static_cast<std::int32_t>(offset);
+  const Eigen::Vector3d corner = box.min() + (index.cast<double>() * kBrickCells * cell).matrix();
+  const SurfacePoint nearest_to_middle = tree.nearest(corner + Eigen::Vector3d::Constant(half_side));
+  if (std::abs(nearest_to_middle.distance) > band + std::sqrt(3.0) * half_side)
+    return nearest_to_middle.distance > 0.0 ? &outside : &inside;
+  auto result = std::make_unique<Brick>();
+  int likely_face = nearest_to_middle.face;
   std::vector<Eigen::Vector3d> points;
   std::vector<std::size_t> nodes;
   for (int octant = 0; octant < 8; ++octant) {
@@ -110,23 +86,18 @@ int SignedDistance::Grid::fill(const SurfaceTree& tree, const Eigen::Array3i& at
     for (int z = low.z(); z < high.z(); ++z) {
       for (int y = low.y(); y < high.y(); ++y) {
         for (int x = low.x(); x < high.x(); ++x) {
-          const Eigen::Array3i node(x, y, z);
-          const std::size_t index = offset + static_cast<std::size_t>(node_index(x, y, z));
-          if (const float* known = neighbour_value(at, node)) {
-            values[index] = *known;
-            continue;
-          }
-          nodes.push_back(index);
-          points.emplace_back(box.min() + ((at * kBrickCells + node).cast<double>() * cell).matrix());
+          const Eigen::Array3i node = index * kBrickCells + Eigen::Array3i(x, y, z);
+          nodes.push_back(static_cast<std::size_t>(node_index(x, y, z)));
+          points.emplace_back(box.min() + (node.cast<double>() * cell).matrix());
         }
       }
     }
     const std::vector<SurfacePoint> nearest = tree.nearest(points, likely_face);
     for (std::size_t i = 0; i < nodes.size(); ++i)
-      values[nodes[i]] = static_cast<float>(std::clamp(nearest[i].distance, -band, band));
-    if (!nearest.empty()) likely_face = nearest.back().face;
+      (*result)[nodes[i]] = static_cast<float>(std::clamp(nearest[i].distance, -band, band));
+    likely_face = nearest.back().face;
   }
-  return likely_face;
+  return result.release();
 }
 
 SignedDistance::SignedDistance(const Mesh& mesh, double cell, double band) {
@@ -141,7 +112,7 @@ SignedDistance::SignedDistance(const Mesh& mesh, double cell, double band) {
   const double nodes = bricks.prod() * kBrickCells * kBrickCells * kBrickCells;
   require(nodes <= kMaxNodes, "a cell of ", cell, " m and a mesh of ", around.sizes().transpose(), " m make ",
           nodes, " nodes, more than ", kMaxNodes);
-  const auto grid = std::make_shared<Grid>();
+  const auto grid = std::make_shared<Grid>(mesh);
   grid->cell = cell;
   grid->cells_per_metre = 1.0 / cell;
   grid->band = static_cast<double>(static_cast<float>(band));  // what the nodes hold
@@ -149,7 +120,9 @@ SignedDistance::SignedDistance(const Mesh& mesh, double cell, double band) {
   grid->cells = grid->bricks * kBrickCells;
   const Eigen::Vector3d half = (0.5 * cell * grid->cells.cast<double>()).matrix();
   grid->box = {around.center() - half, around.center() + half};
-  grid->build(SurfaceTree(mesh));
+  grid->outside.fill(static_cast<float>(band));
+  grid->inside.fill(static_cast<float>(-band));
+  grid->brick = std::vector<std::atomic<const Grid::Brick*>>(static_cast<std::size_t>(grid->bricks.prod()));
   grid_ = grid;
 }
 
@@ -170,13 +143,12 @@ double SignedDistance::distance(const Eigen::Vector3d& p, Eigen::Vector3d* gradi
   const Eigen::Array3d at = (p - grid.box.min()).array() * grid.cells_per_metre;
   if (!((at >= 0.0).all() && (at < grid.cells.cast<double>()).all())) return grid.band;
   const Eigen::Array3i index = at.cast<int>();
-  const std::int32_t offset = grid.brick[grid.brick_index(index.x() >> kBrickShift, index.y() >> kBrickShift,
-                                                          index.z() >> kBrickShift)];
-  if (offset < 0) return offset == kFarOutside ? grid.band : -grid.band;
+  const Grid::Brick& brick = grid.at(index.unaryExpr([](int i) { return i >> kBrickShift; }));
+  if (&brick == &grid.outside || &brick == &grid.inside) return brick.front();
 
   const int first =
       node_index(index.x() & (kBrickCells - 1), index.y() & (kBrickCells - 1), index.z() & (kBrickCells - 1));
-  const float* v = grid.values.data() + offset + first;
+  const float* v = brick.data() + first;
   const Eigen::Array3f t = (at - index.cast<double>()).cast<float>();
   // Along x, then y, then z; in this form equal corners give their very value.
   const float d00 = v[1] - v[0];

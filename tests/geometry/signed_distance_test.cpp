@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <thread>
 
 #include "geometry/rough_stone.hpp"
 #include "geometry/surface_tree.hpp"
@@ -106,6 +107,25 @@ TEST(SignedDistance, IsTheSameEveryTime) {
     const Eigen::Vector3d p = 0.1 * random.uniform() * random.unit_vector();
     EXPECT_EQ(one.distance(p), two.distance(p));
   }
+}
+
+/// Bricks are filled by whoever asks first.
+TEST(SignedDistance, DependsNeitherOnTheOrderOfQueriesNorOnThreads) {
+  const Mesh stone = make_rough_stone(6, 2);
+  Random random = Random::stream(6, "signed distance");
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i < 4000; ++i) points.emplace_back(0.1 * random.uniform() * random.unit_vector());
+  const SignedDistance alone(stone, 0.003, 0.006), together(stone, 0.003, 0.006);
+  std::vector<double> expected(points.size());
+  for (std::size_t i = points.size(); i-- > 0;) expected[i] = alone.distance(points[i]);
+  std::vector<std::vector<double>> found(4, std::vector<double>(points.size()));
+  std::vector<std::thread> threads;
+  for (std::vector<double>& own : found)
+    threads.emplace_back([&] {
+      for (std::size_t i = 0; i < points.size(); ++i) own[i] = together.distance(points[i]);
+    });
+  for (std::thread& thread : threads) thread.join();
+  for (const std::vector<double>& own : found) EXPECT_EQ(own, expected);
 }
 
 TEST(SignedDistance, RefusesOpenMeshesAndGridsThatAreTooFine) {
