@@ -191,7 +191,7 @@ TEST(NonnegativeLeastSquares, MatchesTheOptimalityConditions) {
     Eigen::VectorXd b(6);
     for (Eigen::Index i = 0; i < A.size(); ++i) A.data()[i] = random.normal();
     for (Eigen::Index i = 0; i < 6; ++i) b[i] = random.normal();
-    const Eigen::VectorXd x = nonnegative_least_squares(A, b, 1e-5);
+    const Eigen::VectorXd x = NonnegativeLeastSquares(A, 1e-5).solve(b);
     const Eigen::VectorXd gradient = A.transpose() * (A * x - b) + 1e-5 * x;
     for (Eigen::Index i = 0; i < x.size(); ++i) {
       EXPECT_GE(x[i], 0.0);

@@ -48,9 +48,12 @@ FingerStrips cut_strips(const GripperModel& gripper, const GripperView& view, do
     strips[f].side = f == 0 ? 1.0 : -1.0;
     strips[f].highest.fill(kNoStone);
   }
-  for (const Eigen::Vector3d& p : view.p_T)
+  for (std::size_t i = 0; i < view.p_T.size(); ++i)
     for (FingerStrip& strip : strips)
-      if (std::abs(p.y() - strip.y) <= half_width) strip.add(strip.side * p.x(), p.z());
+      if (const Eigen::Vector3d& p = view.p_T[i]; std::abs(p.y() - strip.y) <= half_width) {
+        strip.add(strip.side * p.x(), p.z());
+        strip.points.push_back(i);
+      }
   return cut;
 }
 
@@ -95,11 +98,10 @@ PadTouch touched(const GripperModel& gripper, std::span<const SurfaceSample> sur
   PadTouch touch;
   touch.height = pad_height(gripper, strip, tip);
   double area = 0.0;
-  for (std::size_t i = 0; i < view.p_T.size(); ++i) {
+  for (const std::size_t i : strip.points) {
     const Eigen::Vector3d& p = view.p_T[i];
-    if (std::abs(p.y() - strip.y) > gripper.finger_width / 2 || p.z() > tip ||
-        p.z() < tip - gripper.pad_length || strip.side * p.x() < touch.height - softness || p.y() < low ||
-        p.y() > high)
+    if (p.z() > tip || p.z() < tip - gripper.pad_length || strip.side * p.x() < touch.height - softness ||
+        p.y() < low || p.y() > high)
       continue;
     touch.p += surface[i].area * surface[i].point;
     touch.n += surface[i].area * surface[i].normal;

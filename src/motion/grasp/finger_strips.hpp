@@ -30,6 +30,7 @@ struct FingerStrip {
   double y = 0.0;                             ///< middle of the finger [m]
   double side = 1.0;                          ///< finger at +x or -x
   std::array<double, kSlices> highest;
+  std::vector<std::size_t> points;  ///< of the view, within the finger's width
 
   static int slice(double z);
   /// The slices of points with z between about `low` and `high`.

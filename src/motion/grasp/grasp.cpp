@@ -202,26 +202,26 @@ std::optional<double> misturn(const Sampler& s, const GripperView& view, double 
   return std::atan2(b - c, s.gripper.finger_spacing);
 }
 
-/// Turns the gripper about its approach until B and C meet the stone together, or two pads lie flat on it, by
-/// at most half a yaw step.
-Eigen::Matrix3d equalised(const Sampler& s, Eigen::Matrix3d R_O_T) {
+/// The view with the gripper turned about its approach until B and C meet the stone together, or two pads lie
+/// flat on it, by at most half a yaw step.
+GripperView equalised(const Sampler& s, const Eigen::Matrix3d& R_O_T) {
+  GripperView view = seen_from(s, R_O_T);
   const double max = std::numbers::pi / s.options.yaws;
   double turned = 0.0;
   const double tip = tip_depth(s.options, s.options.depths / 2);
   for (int round = 0; round < kEqualiseRounds; ++round) {
-    const std::optional<double> off = misturn(s, seen_from(s, R_O_T), tip);
+    const std::optional<double> off = misturn(s, view, tip);
     if (!off) break;
     const double angle = std::clamp(turned + *off, -max, max) - turned;
     if (std::abs(angle) < 0.005) break;
     turned += angle;
-    R_O_T = R_O_T * Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    view = seen_from(s, view.R_O_T * Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix());
   }
-  return R_O_T;
+  return view;
 }
 
 /// All depths of one orientation, and sideways shifts where the middle gives nothing.
-void try_orientation(Sampler& s, const Eigen::Matrix3d& R_O_T) {
-  const GripperView view = seen_from(s, R_O_T);
+void try_orientation(Sampler& s, const GripperView& view) {
   const std::size_t before = s.set.grasps.size();
   for (const double y : {0.0, -s.options.sideways, s.options.sideways}) {
     if (y != 0.0 && s.set.grasps.size() > before) break;

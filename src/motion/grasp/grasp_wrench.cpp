@@ -40,19 +40,36 @@ double closing_force(const Eigen::MatrixXd& G, const Eigen::VectorXd& f, Eigen::
   return std::max({a, bc, 0.0});
 }
 
-/// Least closing force that balances a unit pull at the centre of mass; empty if none does.
-std::optional<double> min_closing_force(const Eigen::MatrixXd& G, Eigen::Index of_a,
-                                        const Eigen::Vector3d& pull) {
-  // All forces push, so the square of their sum along x is a weight on the grip force itself.
-  Eigen::MatrixXd A(7, G.cols());
-  A.topRows(6) = G;
-  A.row(6) = std::sqrt(kGripWeight) * G.row(0).cwiseAbs();
-  Eigen::VectorXd b = Eigen::VectorXd::Zero(7);
-  b.head(3) = -pull;
-  const Eigen::VectorXd f = nonnegative_least_squares(A, b, kRegularise * kRegularise);
-  if ((G * f - b.head(6)).norm() > kResidual) return std::nullopt;
-  return closing_force(G, f, of_a);
-}
+/// Least closing forces that balance pulls at the centre of mass.
+class ClosingForce {
+ public:
+  ClosingForce(const GraspContacts& contacts, double friction)
+      : G_(wrench_columns(contacts, friction)),
+        of_a_(Eigen::Index{contacts.on_a} * kEdges),
+        problem_(weighted(G_), kRegularise * kRegularise) {}
+
+  /// For a unit pull; empty if no force balances it.
+  [[nodiscard]] std::optional<double> least(const Eigen::Vector3d& pull) {
+    Eigen::VectorXd b = Eigen::VectorXd::Zero(7);
+    b.head(3) = -pull;
+    const Eigen::VectorXd f = problem_.solve(b);
+    if ((G_ * f - b.head(6)).norm() > kResidual) return std::nullopt;
+    return closing_force(G_, f, of_a_);
+  }
+
+ private:
+  /// All forces push, so the square of their sum along x is a weight on the grip force itself.
+  static Eigen::MatrixXd weighted(const Eigen::MatrixXd& G) {
+    Eigen::MatrixXd A(7, G.cols());
+    A.topRows(6) = G;
+    A.row(6) = std::sqrt(kGripWeight) * G.row(0).cwiseAbs();
+    return A;
+  }
+
+  Eigen::MatrixXd G_;
+  Eigen::Index of_a_;
+  NonnegativeLeastSquares problem_;
+};
 
 }  // namespace
 
@@ -64,16 +81,16 @@ bool squeeze_holds(const GraspContacts& contacts, double friction) {
   A.row(6).head(of_a) = -G.row(0).head(of_a);
   Eigen::VectorXd b = Eigen::VectorXd::Zero(7);
   b[6] = 1.0;
-  return (A * nonnegative_least_squares(A, b, kRegularise) - b).norm() < kResidual;
+  return (A * NonnegativeLeastSquares(A, kRegularise).solve(b) - b).norm() < kResidual;
 }
 
 std::optional<std::array<double, 6>> force_per_weight(const GraspContacts& contacts, double friction) {
-  const Eigen::MatrixXd G = wrench_columns(contacts, friction);
+  ClosingForce closing(contacts, friction);
   std::array<double, 6> force{};
   for (std::size_t d = 0; d < 6; ++d) {
     Eigen::Vector3d pull = Eigen::Vector3d::Zero();
     pull[static_cast<Eigen::Index>(d / 2)] = d % 2 == 0 ? 1.0 : -1.0;
-    const auto needed = min_closing_force(G, Eigen::Index{contacts.on_a} * kEdges, pull);
+    const auto needed = closing.least(pull);
     if (!needed) return std::nullopt;
     force[d] = *needed;
   }
@@ -95,8 +112,7 @@ GraspContacts contacts_in_T(const Grasp& grasp, const Eigen::Vector3d& p_O_M) {
 
 double exact_holding_force(const Grasp& grasp, const Eigen::Vector3d& p_O_M, double friction, double weight,
                            const Eigen::Vector3d& n_T_down) {
-  const auto needed = min_closing_force(wrench_columns(contacts_in_T(grasp, p_O_M), friction),
-                                        Eigen::Index{grasp.on_a} * kEdges, n_T_down);
+  const auto needed = ClosingForce(contacts_in_T(grasp, p_O_M), friction).least(n_T_down);
   return needed ? weight * *needed : std::numeric_limits<double>::infinity();
 }
 

@@ -1,63 +1,66 @@
 #include "motion/grasp/nonnegative_least_squares.hpp"
 
 #include <Eigen/Cholesky>
-#include <vector>
+#include <algorithm>
 
 namespace stonestack::motion {
-namespace {
 
 using Index = Eigen::Index;
 
-/// Least squares over the columns in `used`, zero elsewhere.
-Eigen::VectorXd solve_used(const Eigen::MatrixXd& H, const Eigen::VectorXd& c,
-                           const std::vector<Index>& used) {
-  const auto n = static_cast<Index>(used.size());
-  Eigen::MatrixXd h(n, n);
-  Eigen::VectorXd r(n);
-  for (Index i = 0; i < n; ++i) {
-    r[i] = c[used[static_cast<std::size_t>(i)]];
-    for (Index j = 0; j < n; ++j)
-      h(i, j) = H(used[static_cast<std::size_t>(i)], used[static_cast<std::size_t>(j)]);
-  }
-  const Eigen::VectorXd s = h.llt().solve(r);
-  Eigen::VectorXd x = Eigen::VectorXd::Zero(c.size());
-  for (Index i = 0; i < n; ++i) x[used[static_cast<std::size_t>(i)]] = s[i];
-  return x;
+NonnegativeLeastSquares::NonnegativeLeastSquares(const Eigen::MatrixXd& A, double regularisation)
+    : A_(A), H_(A.transpose() * A), L_(A.cols(), A.cols()), gain_(A.cols()), s_(A.cols()) {
+  H_.diagonal().array() += regularisation;
+  used_.reserve(static_cast<std::size_t>(A.cols()));
 }
 
-}  // namespace
+/// Least squares over the columns in `used_`, in their order.
+void NonnegativeLeastSquares::solve_used(const Eigen::VectorXd& c) {
+  const auto n = static_cast<Index>(used_.size());
+  for (Index j = 0; j < n; ++j) {
+    const Index column = used_[static_cast<std::size_t>(j)];
+    s_[j] = c[column];
+    for (Index i = j; i < n; ++i) L_(i, j) = H_(used_[static_cast<std::size_t>(i)], column);
+  }
+  Eigen::Ref<Eigen::MatrixXd> in_place = L_.topLeftCorner(n, n);
+  Eigen::VectorBlock<Eigen::VectorXd> s = s_.head(n);
+  Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>>(in_place).solveInPlace(s);
+}
 
-Eigen::VectorXd nonnegative_least_squares(const Eigen::MatrixXd& A, const Eigen::VectorXd& b,
-                                          double regularisation) {
-  Eigen::MatrixXd H = A.transpose() * A;
-  H.diagonal().array() += regularisation;
-  const Eigen::VectorXd c = A.transpose() * b;
+Eigen::VectorXd NonnegativeLeastSquares::solve(const Eigen::VectorXd& b) {
+  const Eigen::VectorXd c = A_.transpose() * b;
   const Index n = c.size();
   const double tolerance = 1e-10 * std::max(1.0, c.cwiseAbs().maxCoeff());
   Eigen::VectorXd x = Eigen::VectorXd::Zero(n);
-  std::vector<Index> used;
+  used_.clear();
   for (Index turn = 0; turn < 5 * n; ++turn) {
-    const Eigen::VectorXd gain = c - H * x;
+    gain_ = c;
+    for (const Index i : used_) gain_ -= x[i] * H_.col(i);
     Index enter = -1;
     for (Index i = 0; i < n; ++i)
-      if (x[i] == 0.0 && gain[i] > tolerance && (enter < 0 || gain[i] > gain[enter])) enter = i;
+      if (x[i] == 0.0 && gain_[i] > tolerance && (enter < 0 || gain_[i] > gain_[enter])) enter = i;
     if (enter < 0) break;
-    used.push_back(enter);
-    Eigen::VectorXd s = solve_used(H, c, used);
-    while (!used.empty()) {
+    used_.push_back(enter);
+    solve_used(c);
+    while (!used_.empty()) {
       double step = 1.0;  // towards s as far as nothing turns negative
-      for (const Index i : used)
-        if (s[i] <= 0.0) step = std::min(step, x[i] / (x[i] - s[i]));
+      for (std::size_t k = 0; k < used_.size(); ++k)
+        if (const double s = s_[static_cast<Index>(k)]; s <= 0.0)
+          step = std::min(step, x[used_[k]] / (x[used_[k]] - s));
       if (step >= 1.0) break;
-      x += step * (s - x);
-      std::erase_if(used, [&](Index i) {
-        const bool leaves = s[i] <= 0.0 && x[i] <= 1e-14;
-        if (leaves) x[i] = 0.0;
-        return leaves;
-      });
-      s = solve_used(H, c, used);
+      std::size_t kept = 0;
+      for (std::size_t k = 0; k < used_.size(); ++k) {
+        const Index i = used_[k];
+        const double s = s_[static_cast<Index>(k)];
+        x[i] += step * (s - x[i]);
+        if (s <= 0.0 && x[i] <= 1e-14)
+          x[i] = 0.0;
+        else
+          used_[kept++] = i;
+      }
+      used_.resize(kept);
+      solve_used(c);
     }
-    x = s;
+    for (std::size_t k = 0; k < used_.size(); ++k) x[used_[k]] = s_[static_cast<Index>(k)];
   }
   return x;
 }
