@@ -87,6 +87,12 @@ bool cannot_rest(const Situation& s) {
   return !s.arrangement.stack.empty() && !s.models.wall && !stands_at_some_friction(s.world.resting);
 }
 
+/// How many of `stones` more are planned upon `standing` ones: none above the height that was asked for.
+int levels_ahead(const BuildOptions& options, std::size_t standing, int stones) {
+  if (options.max_stones <= 0) return stones;
+  return std::clamp(options.max_stones - static_cast<int>(standing), 1, std::max(1, stones));
+}
+
 bool fits_gripper(const Models& models, StoneIndex stone) {
   return at(models.unfit, stone).empty();
 }
@@ -175,8 +181,9 @@ struct FrictionSearch {
     if (current.held > 0)
       s.emit(SearchProgress{"the tower stands, though by its models it cannot: it is held where it is seen"});
     const std::size_t count = possible.size();
-    const auto levels = static_cast<double>(
-        std::min(current.available.size(), static_cast<std::size_t>(s.options.search.horizon)));
+    const int horizon = levels_ahead(s.options, s.arrangement.stack.size(), s.options.search.horizon);
+    const auto levels =
+        static_cast<double>(std::min(current.available.size(), static_cast<std::size_t>(horizon)));
     const bool reorients_allowed = may_reorient(memory, s.options);
     const bool was_reorienting =
         memory.plan && memory.plan->route == Route::kReorienting && reorients_allowed;
@@ -194,7 +201,8 @@ struct FrictionSearch {
       if (static_cast<double>(here.known_route.size()) >= levels)
         here.known_route.clear();  // complete, but unlikely to stand
       if (known_route_only && here.known_route.empty()) return;
-      const SearchOptions options = options_at(s.options, memory.friction, level, route);
+      SearchOptions options = options_at(s.options, memory.friction, level, route);
+      options.horizon = horizon;
       SearchResult found;
       if (const auto resting = at_friction(here, s.world.resting[level]))
         found =
@@ -303,7 +311,7 @@ double expected_from(const Situation& s, const RunMemory& memory, const Arrangem
   SearchProblem problem =
       make_problem(s, memory, lower, make_reach(lower, s.world, s.models, s.options), route);
   if (problem.available.empty()) return 0.0;
-  const auto levels = static_cast<int>(problem.available.size());
+  const int levels = levels_ahead(s.options, lower.stack.size(), static_cast<int>(problem.available.size()));
   const std::vector<bool> possible = possible_frictions(s.world);
   double best_expected = 0.0;
   bool higher = false;
@@ -321,7 +329,7 @@ double expected_from(const Situation& s, const RunMemory& memory, const Arrangem
                  weighted_mean(expected_by_friction(problem, problem.known_route, memory.friction.frictions,
                                                     possible, nullptr, s.options.search),
                                possible, memory.friction));
-    if (tower.size() == problem.available.size())
+    if (static_cast<int>(tower.size()) == levels)
       problem.known_route.clear();  // complete, but unlikely to stand
   }
   return higher ? static_cast<double>(lower.stack.size()) + best_expected : 0.0;

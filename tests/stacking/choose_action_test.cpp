@@ -122,6 +122,22 @@ TEST(ChooseAction, StopsAtTheHeightThatWasAskedFor) {
   EXPECT_EQ(std::get<Stop>(decision.action).end, RunEnd::kHeightReached);
 }
 
+TEST(ChooseAction, NothingIsPlannedAboveTheHeightThatWasAskedFor) {
+  State state = read("place");
+  state.memory.plan.reset();
+  state.memory.search.reset();
+  state.options.search.rounds = 1;  // quick
+  state.options.search.horizon = 2;
+  const auto stones_after_next = [](const State& before) {
+    const Decision decision = decide(before);
+    const auto* place = std::get_if<Place>(&decision.action);
+    return place == nullptr ? std::size_t{99} : place->candidates.front().then.size();
+  };
+  EXPECT_EQ(stones_after_next(state), 1U);
+  state.options.max_stones = static_cast<int>(state.world.stack.size()) + 1;
+  EXPECT_EQ(stones_after_next(state), 0U);
+}
+
 TEST(ChooseAction, StopsAfterAFailureBeforeAllElse) {
   State state = read("clear_base");
   state.memory.failure = Failure{RunEnd::kPlacementFailed, "it fell"};
