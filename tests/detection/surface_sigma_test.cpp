@@ -5,6 +5,7 @@
 
 #include "core/constants.hpp"
 #include "detection/features/models.hpp"
+#include "detection/hypotheses/depth_scale.hpp"
 #include "detection/hypotheses/joint_refine.hpp"
 #include "detection/hypotheses/refine.hpp"
 #include "detection/judge/verify.hpp"
@@ -60,6 +61,12 @@ class GuessedSide : public ::testing::Test {
     strict.contour = true;
     return verify_pose(make_detection_model(model), T, scene, strict).score;
   }
+  [[nodiscard]] Detection at_truth() const {
+    Detection there;
+    there.stone = 0_stone;
+    there.T_C_O = T_C_O;
+    return there;
+  }
   /// The pose that the fine refinement finds from the true one.
   [[nodiscard]] PoseDifference off_after_refinement(const Stone& model) const {
     const DetectionModel made = make_detection_model(model);
@@ -96,13 +103,20 @@ TEST_F(GuessedSide, PullsThePoseLess) {
   EXPECT_LT(wary.angle, 0.7 * trusting.angle + 0.2 * kDegree);
 }
 
+TEST_F(GuessedSide, PullsTheDepthScaleLess) {
+  const auto scale_by = [&](const Stone& model) {
+    return fit_depth_scale({at_truth()}, DetectionModels(std::vector<Stone>{model}).data(), scene).factor;
+  };
+  const double of_scan = scale_by(stone);
+  EXPECT_NEAR(of_scan, 1.0, 0.01);
+  const double trusting = std::abs(scale_by(guessed) - of_scan), wary = std::abs(scale_by(known) - of_scan);
+  EXPECT_GT(trusting, 0.01) << "the trap is gone: the guess pulls at nothing";
+  EXPECT_LT(wary, 0.5 * trusting);
+}
+
 TEST_F(GuessedSide, IsStatedInTheCovariance) {
   const auto stated = [&](const Stone& model) {
-    DetectionModels models(std::vector<Stone>{model});
-    Detection there;
-    there.stone = 0_stone;
-    there.T_C_O = T_C_O;
-    return refined_together({there}, models.data(), scene).front();
+    return refined_together({at_truth()}, DetectionModels(std::vector<Stone>{model}).data(), scene).front();
   };
   const Detection of_scan = stated(stone), of_guess = stated(known);
   const auto position = [](const Detection& d) -> Eigen::Matrix3d {

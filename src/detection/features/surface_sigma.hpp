@@ -27,6 +27,9 @@ struct SurfaceSigma {
   return sum / 3.0;
 }
 
+/// Seen points of a stone, of some 800, that share one error of the model: it is alike over 15 mm.
+inline constexpr double kAlikePoints = 30.0;
+
 /// How far [m] a seen surface may lie off the stone's and be the same, where the model errs by `sigma`, too:
 /// two standard deviations. Without an error, `tolerance`.
 [[nodiscard]] inline double widened(double tolerance, double sigma) {

@@ -53,7 +53,8 @@ void accumulate(Fit& fit, const DetectionModel& model, const DetectionScene& sce
     Vector7 J;
     J << n, (q - model.centre).cross(n), n.dot(fit.T_O_C.linear() * ray);
     const double of_model = model.sigma.samples[static_cast<std::size_t>(k)];
-    const double w = 1.0 / (1.0 + r * r / (robust * robust)) / (sigma * sigma + of_model * of_model);
+    const double w =
+        1.0 / (1.0 + r * r / (robust * robust)) / (sigma * sigma + kAlikePoints * of_model * of_model);
     fit.H += w * J * J.transpose();
     fit.g += w * r * J;
     ++fit.points;

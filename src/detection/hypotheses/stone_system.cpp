@@ -12,7 +12,6 @@ constexpr double kGate = 0.004;           // m: further off is another surface
 constexpr double kSystemRobust = 0.0015;  // m, residual at which a point counts half
 constexpr float kSystemMinCosine = 0.6F;  // between seen and model normal
 constexpr double kSlantNoise = 1.6;       // variance over that of the table: stone is seen at more of a slant
-constexpr double kAlikePoints = 30.0;     // that share one error of the model: it is alike over 15 mm
 constexpr double kMeshSigma =
     0.0017;                       // m, of a point: 500 faces are 0.3 mm off, times the root of these points
 constexpr int kMaxPatches = 150;  // of the stone itself: more are joined
