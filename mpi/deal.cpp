@@ -93,12 +93,12 @@ std::optional<std::string> Dealer::answer(Message message, const std::string& fo
     gone_ += message.word == Word::kGone ? 1 : 0;
     return std::nullopt;
   }
-  if (message.word == Word::kRun) --deal.under_way;
+  if (message.word == Word::kEnded) --deal.under_way;
   if (!deal.left.empty()) {
     ranks_.send(message.from, Word::kPerform, concat(deal.next(), ' ', folder));
     ++deal.under_way;
   }
-  if (message.word == Word::kRun) return std::move(message.text);
+  if (message.word == Word::kEnded) return std::move(message.text);
   return std::nullopt;
 }
 
@@ -152,7 +152,7 @@ void perform_dealt(const Ranks& ranks, const Perform& perform) {
       }
       if (own.has_ended()) {
         try {
-          ranks.send(0, Word::kRun, own.take());
+          ranks.send(0, Word::kEnded, own.take());
         } catch (const std::exception& error) {
           ranks.send(0, Word::kFailed,
                      concat("rank ", ranks.rank(), " on ", ranks.host(), ": ", error.what()));

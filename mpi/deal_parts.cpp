@@ -34,7 +34,7 @@ std::string part_file(const BenchOrder& order, int number, const char* ending) {
 /// A program in a process of its own, which ends when this one does.
 class Child {
  public:
-  /// @param log file that its output is appended to; empty: it writes where this process does
+  /// @param log file of its output; empty: it writes where this process does
   Child(const Words& command, const std::string& log) {
     std::vector<char*> argv;
     for (const std::string& word : command) argv.push_back(const_cast<char*>(word.c_str()));
@@ -47,7 +47,7 @@ class Child {
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (::getppid() != parent) ::_exit(127);
     if (!log.empty()) {
-      const int file = ::open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+      const int file = ::open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
       if (file < 0) ::_exit(126);
       ::dup2(file, STDOUT_FILENO);
       ::dup2(file, STDERR_FILENO);
@@ -101,7 +101,7 @@ std::string error_in(const std::string& log) {
 
 /// True if the part has performed all of its draws.
 bool is_complete(const std::string& part) {
-  if (!fs::exists(part) || fs::file_size(part) == 0) return false;
+  if (!fs::exists(part)) return false;
   try {
     return nlohmann::json::parse(read_file(part, kMaxPart)).value("complete", false);
   } catch (const nlohmann::json::exception&) {
@@ -117,7 +117,7 @@ Perform performer(const BenchOrder& order, const std::string& host) {
     for (const std::string& word :
          {std::string("--shard"), concat(number, '/', order.parts), std::string("--record"), part})
       command.push_back(word);
-    if (fs::exists(part) && fs::file_size(part) > 0) command.emplace_back("--continue");
+    if (fs::exists(part)) command.emplace_back("--continue");
     if (const int code = Child(command, log).wait(); code != 0)
       throw Error(concat("part ", number, " of ", order.parts, " ended with code ", code, ": ", error_in(log),
                          " (", log, ')'),
@@ -128,7 +128,10 @@ Perform performer(const BenchOrder& order, const std::string& host) {
 
 /// Numbers of the parts that are yet to be performed. Makes the folder.
 std::vector<int> parts_to_perform(const BenchOrder& order) {
-  fs::create_directories(order.out);
+  std::error_code failed;
+  fs::create_directories(order.out, failed);
+  if (!fs::is_directory(order.out))
+    throw FileError(order.out, "is no folder and cannot be made one", "name another one with --out");
   const std::string wanted = concat("-of-", order.parts, ".json");
   for (const auto& entry : fs::directory_iterator(order.out)) {
     const std::string name = entry.path().filename();
@@ -164,6 +167,7 @@ void deal_parts(const Ranks& ranks, const BenchOrder& order, bool quiet) {
   if (::access(order.program.c_str(), X_OK) != 0)
     throw FileError(order.program, "is no program",
                     "build it with `./dev bench --help`, or name it with --program");
+  if (!order.record.empty()) require_writable(order.record);
   const std::vector<int> numbers = parts_to_perform(order);
   int complete = order.parts - static_cast<int>(numbers.size());
   if (!numbers.empty())

@@ -110,7 +110,7 @@ int run(const Ranks& ranks, int argc, char** argv) {
   if (ranks.rank() > 0)
     ranks.send(0, Word::kGone,
                concat("rank ", ranks.rank(), " on ", ranks.host(), " ended with code ", code,
-                      " before its first run; `stonestack experiment` shows there why"));
+                      " before its first task; there, the command without mpirun shows why"));
   else
     for (int other = 1; other < ranks.size(); ++other) ranks.send(other, Word::kEnd);
   return code;

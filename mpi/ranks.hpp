@@ -2,16 +2,16 @@
 #include <optional>
 #include <string>
 
-/// stonestack-mpi: experiments on many processes, by MPI. The library knows nothing of it.
+/// stonestack-mpi: experiments and benchmarks on many processes, by MPI. The library knows nothing of it.
 namespace stonestack::mpi {
 
 /// Meaning of a message from rank to rank.
 enum class Word {
-  kReady,    ///< to rank 0: asks for a run
-  kRun,      ///< to rank 0: text of a run that ended
-  kFailed,   ///< to rank 0: why there will be no run
+  kReady,    ///< to rank 0: asks for a task
+  kEnded,    ///< to rank 0: text of a task that ended
+  kFailed,   ///< to rank 0: why there will be none
   kGone,     ///< to rank 0: the last word, with the reason where nothing ended it
-  kPerform,  ///< from rank 0: number of a run, a blank, folder of the record
+  kPerform,  ///< from rank 0: number of a task, a blank, its folder
   kEnd,      ///< from rank 0: there is nothing more to do
 };
 

@@ -86,6 +86,14 @@ TEST_F(MpiBench, SaysWhatABenchmarkRefused) {
   EXPECT_THAT(missing.err, HasSubstr("nowhere/stonestack-bench: is no program"));
   EXPECT_FALSE(fs::exists(folder_ + "/other"));
   expect_refused(run_on(2, "bench --out other"), "arguments");
+  write("file", "");
+  const Outcome no_folder = run_on(2, bench("file", "--parts 2", kSearch));
+  EXPECT_EQ(no_folder.code, 3) << no_folder.err;
+  EXPECT_THAT(no_folder.err, HasSubstr("file: is no folder"));
+  const Outcome no_record = run_on(2, bench("parts", "--parts 2 --record file/tables.json", kSearch));
+  EXPECT_EQ(no_record.code, 3) << no_record.err;
+  EXPECT_THAT(no_record.err,
+              testing::AllOf(HasSubstr("file/tables.json"), testing::Not(HasSubstr("performed"))));
 }
 
 /// Processes that work in that folder, by the name of their program.

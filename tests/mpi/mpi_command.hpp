@@ -7,7 +7,8 @@ namespace stonestack {
 class MpiCommand : public Commands {
  protected:
   void SetUp() override {
-    if (std::system("command -v mpirun > /dev/null") != 0) GTEST_SKIP() << "mpirun is not installed";
+    ASSERT_EQ(std::system("command -v mpirun > /dev/null"), 0)
+        << "mpirun is not installed: `./dev packages` does";
     Commands::SetUp();
     ::setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 1);
     ::setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 1);
