@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <exception>
 #include <functional>
+#include <limits>
 
 #include "hardware/cell_config.hpp"
 #include "hardware/read_only_devices.hpp"
@@ -54,13 +55,14 @@ class RunProgress {
  public:
   RunProgress(const BuildOptions& options, std::size_t stones) {
     progress_.what = options.wall.empty() ? "tower" : "wall";
-    progress_.total = static_cast<double>(stones);
+    if (options.max_stones > 0) asked_ = options.max_stones;
+    progress_.total = std::min(static_cast<double>(stones), asked_);
   }
   void hear(const Event& event) {
     if (const auto* seen = std::get_if<Observed>(&event)) {
       progress_.done = static_cast<double>(seen->world.stack.size());
-      if (progress_.total < progress_.done + static_cast<double>(seen->world.loose.size()))
-        progress_.total = progress_.done + static_cast<double>(seen->world.loose.size());
+      const double seen_now = progress_.done + static_cast<double>(seen->world.loose.size());
+      progress_.total = std::max(progress_.total, std::min(seen_now, asked_));
     } else if (const auto* searched = std::get_if<SearchedAtFriction>(&event); searched && searched->found) {
       progress_.best = format("%.1f expected", searched->expected);
     }
@@ -70,6 +72,7 @@ class RunProgress {
 
  private:
   Progress progress_{"", 0.0, 0.0, "stones", "", 0.0};
+  double asked_ = std::numeric_limits<double>::infinity();  ///< stones, by the user
   Stopwatch watch_;
 };
 

@@ -255,6 +255,7 @@ TEST_F(Commands, RunBuildsWhatItsTrueWorldHolds) {
   const std::string arguments = "run --robot ur10 --seed 1 --per-run 3 --height 2 --json --out run";
   const Outcome first = run(arguments);
   ASSERT_TRUE(first.code == 0 || first.code == 6) << first.err;
+  EXPECT_THAT(first.err, HasSubstr("tower: 0 of 2 stones")) << "three lie there, two are asked for";
   json result = first.data();
   EXPECT_EQ(result["schema"], "stonestack.run/1");
   EXPECT_EQ(result["version"].get<std::string>() + "\n", run("--version").out);
