@@ -29,7 +29,7 @@ constexpr int node_index(int x, int y, int z) {
 
 /// Cells in bricks of 4 x 4 x 4, each filled when a query first meets it: of a stone's shape most are never
 /// asked for, and filling all of them is dear. A query touches one brick, 500 bytes (float: 1 nm in 12 mm).
-/// What a brick holds does not depend on what was asked before, nor on the thread.
+/// The values of a brick depend neither on earlier queries nor on the thread.
 struct SignedDistance::Grid {
   using Brick = std::array<float, kBrickValues>;
 

@@ -188,15 +188,18 @@ TEST(NonnegativeLeastSquares, MatchesTheOptimalityConditions) {
   for (std::uint64_t trial = 0; trial < 300; ++trial) {
     Random random = Random::stream(5, trial);
     Eigen::MatrixXd A(6, 18);
-    Eigen::VectorXd b(6);
     for (Eigen::Index i = 0; i < A.size(); ++i) A.data()[i] = random.normal();
-    for (Eigen::Index i = 0; i < 6; ++i) b[i] = random.normal();
-    const Eigen::VectorXd x = NonnegativeLeastSquares(A, 1e-5).solve(b);
-    const Eigen::VectorXd gradient = A.transpose() * (A * x - b) + 1e-5 * x;
-    for (Eigen::Index i = 0; i < x.size(); ++i) {
-      EXPECT_GE(x[i], 0.0);
-      EXPECT_GE(gradient[i], -1e-7);
-      EXPECT_LT(std::abs(gradient[i] * x[i]), 1e-7);
+    NonnegativeLeastSquares problem(A, 1e-5);
+    for (int right_side = 0; right_side < 2; ++right_side) {
+      Eigen::VectorXd b(6);
+      for (Eigen::Index i = 0; i < 6; ++i) b[i] = random.normal();
+      const Eigen::VectorXd x = problem.solve(b);
+      const Eigen::VectorXd gradient = A.transpose() * (A * x - b) + 1e-5 * x;
+      for (Eigen::Index i = 0; i < x.size(); ++i) {
+        EXPECT_GE(x[i], 0.0);
+        EXPECT_GE(gradient[i], -1e-7);
+        EXPECT_LT(std::abs(gradient[i] * x[i]), 1e-7);
+      }
     }
   }
 }
