@@ -8,9 +8,11 @@
 #include "detection/scene/fit_plane.hpp"
 #include "detection/scene/preprocess.hpp"
 #include "geometry/small_motion.hpp"
+#include "modelling/camera_error.hpp"
 #include "modelling/constants.hpp"
 #include "modelling/view_normals.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/log.hpp"
 #include "stonestack/modelling/model_objects.hpp"
 
 namespace stonestack::modelling {
@@ -171,8 +173,13 @@ void level(std::vector<SampledView>& views, const Eigen::Vector3d& middle) {
 
 }  // namespace
 
-AlignedScene align_scene(std::span<const DepthView> views, const ModellingOptions& options) {
-  require(!views.empty(), "a scene needs a view");
+AlignedScene align_scene(std::span<const DepthView> as_taken, const ModellingOptions& options) {
+  require(!as_taken.empty(), "a scene needs a view");
+  const CameraError camera = measure_camera_error(as_taken);
+  log_debug(concat("depth error that ", as_taken.size(), " views share: ", 1e3 * camera.sigma, " mm"));
+  std::vector<DepthView> views;
+  views.reserve(as_taken.size());
+  for (const DepthView& view : as_taken) views.push_back({without_error(view.image, camera), view.T_W_C});
   std::vector<SampledView> sampled(views.size());
   tbb::parallel_for(std::size_t{0}, views.size(), [&](std::size_t k) { sampled[k] = sample(views[k]); });
   const Eigen::Vector3d middle = middle_of(sampled);

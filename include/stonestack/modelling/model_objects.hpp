@@ -25,15 +25,17 @@ struct ModellingOptions {
 
 /// Views of objects that lie still on a table, brought to agree, and the objects in them.
 struct AlignedScene {
-  std::vector<DepthView> views;  ///< with poses that agree; the table is z = 0 of W
-  Segmentation segmentation;     ///< of these views: objects, and a label image each
-  double apart_before = 0.0;     ///< median distance of surfaces that two views show, as reported [m]
-  double apart_after = 0.0;      ///< the same with the poses that agree [m]
+  /// With poses that agree, without the depth error that they share; the table is z = 0 of W.
+  std::vector<DepthView> views;
+  Segmentation segmentation;  ///< of these views: objects, and a label image each
+  double apart_before = 0.0;  ///< median distance of surfaces that two views show, as reported [m]
+  double apart_after = 0.0;   ///< the same with the poses that agree [m]
 };
 
-/// Brings views to agree by the surfaces that they share (point to plane over all pairs of views, projective
-/// association; Chen and Medioni 1992), as far from the reported poses as arms and hand-eye calibrations err,
-/// puts the table at z = 0, and parts the objects.
+/// Takes the smooth depth error that all views share off them, as the table shows it, then brings them to
+/// agree by the surfaces that they share (point to plane over all pairs of views, projective association;
+/// Chen and Medioni 1992), as far from the reported poses as arms and hand-eye calibrations err, puts the
+/// table at z = 0, and parts the objects.
 /// @throws InvalidArgument for no view.
 [[nodiscard]] AlignedScene align_scene(std::span<const DepthView> views,
                                        const ModellingOptions& options = {});
