@@ -1,7 +1,10 @@
 #include "modelled_stones.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 
+#include "core/constants.hpp"
 #include "stacking/model_again.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
@@ -22,8 +25,34 @@ struct Growing {
   std::vector<Eigen::Vector3d> up_at_rest;
 };
 
+/// Pose of the scan where the views show the stone.
+Pose place_of_scan(const Stone& scan, modelling::LyingObject lying, const Pose& T_W_O) {
+  modelling::ObjectModel all_seen;
+  all_seen.mesh = scan.scan;
+  all_seen.seen.assign(scan.scan.vertices.size(), 1);
+  lying.T_W_O = T_W_O;
+  const auto found = modelling::find_turned(all_seen, {}, lying);
+  return found ? found->T_W_O : T_W_O;
+}
+
+/// Logs how far from its place an attitude was joined, by where the scan lies in its views and in the first
+/// ones.
+void log_joint(const Stone& scan, const modelling::LyingObject& first, const modelling::LyingObject& joined,
+               const Pose& T_W_O) {
+  const Pose T_O_scan = first.T_W_O.inverse() * place_of_scan(scan, first, first.T_W_O);
+  const Pose off = place_of_scan(scan, joined, T_W_O).inverse() * joined.T_W_O * T_O_scan;
+  const Eigen::Vector3d shift = off * scan.mass.p_O_M - scan.mass.p_O_M;
+  const auto up = [](const Pose& T) -> Eigen::Vector3d {
+    return T.linear().transpose() * Eigen::Vector3d::UnitZ();
+  };
+  const double tilt = std::acos(std::clamp(up(first.T_W_O).dot(up(T_W_O)), -1.0, 1.0));
+  log_info(concat(scan.name, ": an attitude ", std::lround(tilt / kDegree), " deg away is joined ",
+                  1e3 * shift.norm(), " mm and ", Eigen::AngleAxisd(off.linear()).angle() / kDegree,
+                  " deg off its place"));
+}
+
 /// Adds one more attitude; false where it shows no object that is the stone, or none that can be joined.
-bool add_attitude(const BenchScene& drawn, Growing& growing) {
+bool add_attitude(const BenchScene& drawn, const Stone& scan, Growing& growing) {
   auto scene = std::make_unique<modelling::AlignedScene>(modelling::align_scene(drawn.views));
   if (scene->segmentation.objects.size() != 1) return false;
   const Pose T_W_O = drawn.views.front().T_W_C * drawn.truth.front().T_C_O;
@@ -32,6 +61,7 @@ bool add_attitude(const BenchScene& drawn, Growing& growing) {
     const auto found = modelling::find_turned(growing.model, growing.made_of, lying);
     if (!found) return false;
     lying.T_W_O = found->T_W_O;
+    log_joint(scan, growing.made_of.front(), lying, T_W_O);
   }
   growing.made_of.push_back(lying);
   growing.up_at_rest.emplace_back(lying.T_W_O.linear().transpose() * Eigen::Vector3d::UnitZ());
@@ -51,7 +81,7 @@ std::vector<StoneFromViews> stones_from_views(const SceneMaker& maker, int attit
     for (int k = 0, joined = 0; k < kAttitudesTried && joined < attitudes; ++k)
       joined += add_attitude(
                     maker.views_around(stone, kViewsOfAttitude, seed * 100 + static_cast<std::uint64_t>(k)),
-                    growing)
+                    at(maker.stones(), stone), growing)
                     ? 1
                     : 0;
     require(!growing.made_of.empty(), "stone ", name, " is not parted from the table in ", kAttitudesTried,

@@ -16,7 +16,7 @@ using detection::DepthError;
 
 constexpr double kFullCell = 0.5;      // of a cell's pixels: enough to speak of its mean
 constexpr double kFewestPairs = 50.0;  // of views that show table in the same cell, to tell what they share
-constexpr double kLeastRest = 0.02;    // of the variance of all cells: noise is never nothing
+constexpr double kMinRest = 0.02;      // of the variance of all cells: noise is never nothing
 constexpr std::size_t kAround = 48;    // cells of which the error at one is made
 constexpr double kReach = 2.5;         // correlation lengths, beyond which cells tell nothing
 
@@ -64,7 +64,7 @@ SharedCells merge(const std::vector<DepthError>& views) {
   if (pairs < kFewestPairs) return cells;
   const double all = squares / shown, shared = std::clamp(products / pairs, 0.0, all);
   cells.shared.sigma = std::sqrt(shared);
-  cells.rest = std::max(kLeastRest * all, all - shared);
+  cells.rest = std::max(kMinRest * all, all - shared);
   double lengths = 0.0;
   for (const DepthError& view : views) lengths += view.length;
   cells.shared.length = lengths / static_cast<double>(views.size());
