@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include "core/constants.hpp"
 #include "stacking/model_again.hpp"
@@ -25,22 +26,25 @@ struct Growing {
   std::vector<Eigen::Vector3d> up_at_rest;
 };
 
-/// Pose of the scan where the views show the stone.
-Pose place_of_scan(const Stone& scan, modelling::LyingObject lying, const Pose& T_W_O) {
+/// Pose of the scan where the views show the stone; empty where they show too little of it.
+std::optional<Pose> place_of_scan(const Stone& scan, modelling::LyingObject lying, const Pose& T_W_O) {
   modelling::ObjectModel all_seen;
   all_seen.mesh = scan.scan;
   all_seen.seen.assign(scan.scan.vertices.size(), 1);
   lying.T_W_O = T_W_O;
+  all_seen.sigma.assign(scan.scan.vertices.size(), 0.0);
   const auto found = modelling::find_turned(all_seen, {}, lying);
-  return found ? found->T_W_O : T_W_O;
+  return found ? std::optional(found->T_W_O) : std::nullopt;
 }
 
 /// Logs how far from its place an attitude was joined, by where the scan lies in its views and in the first
 /// ones.
 void log_joint(const Stone& scan, const modelling::LyingObject& first, const modelling::LyingObject& joined,
                const Pose& T_W_O) {
-  const Pose T_O_scan = first.T_W_O.inverse() * place_of_scan(scan, first, first.T_W_O);
-  const Pose off = place_of_scan(scan, joined, T_W_O).inverse() * joined.T_W_O * T_O_scan;
+  const auto in_first = place_of_scan(scan, first, first.T_W_O),
+             in_joined = place_of_scan(scan, joined, T_W_O);
+  if (!in_first || !in_joined) return;
+  const Pose off = in_joined->inverse() * joined.T_W_O * first.T_W_O.inverse() * *in_first;
   const Eigen::Vector3d shift = off * scan.mass.p_O_M - scan.mass.p_O_M;
   const auto up = [](const Pose& T) -> Eigen::Vector3d {
     return T.linear().transpose() * Eigen::Vector3d::UnitZ();

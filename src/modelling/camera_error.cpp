@@ -16,9 +16,28 @@ using detection::DepthError;
 
 constexpr double kFullCell = 0.5;      // of a cell's pixels: enough to speak of its mean
 constexpr double kFewestPairs = 50.0;  // of views that show table in the same cell, to tell what they share
-constexpr double kMinRest = 0.02;      // of the variance of all cells: noise is never nothing
-constexpr std::size_t kAround = 48;    // cells of which the error at one is made
-constexpr double kReach = 2.5;         // correlation lengths, beyond which cells tell nothing
+constexpr double kElsewhere = 0.03;  // m between places of the table, of which each is uneven in its own way
+constexpr double kMinRest = 0.02;    // of the variance of all cells: noise is never nothing
+constexpr std::size_t kAround = 48;  // cells of which the error at one is made
+constexpr double kReach = 2.5;       // correlation lengths, beyond which cells tell nothing
+
+/// The table of one view.
+struct SeenTable {
+  DepthError error;
+  std::vector<Eigen::Vector3d> p_W;  ///< where the middle of each cell sees it
+};
+
+SeenTable seen_table(const DepthView& view, const Plane& table_C, const DetectionOptions& options) {
+  SeenTable seen{
+      detection::measure_depth_error(detection::smooth_depth(view.image, options), table_C, options), {}};
+  for (int row = 0; row < seen.error.rows; ++row)
+    for (int column = 0; column < seen.error.columns; ++column) {
+      const Eigen::Vector3d ray =
+          deproject(view.image.camera, seen.error.cell * (column + 0.5), seen.error.cell * (row + 0.5));
+      seen.p_W.push_back(view.T_W_C * (table_C.offset / table_C.normal.dot(ray) * ray));
+    }
+  return seen;
+}
 
 /// Deviations of the table, all views together.
 struct SharedCells {
@@ -36,37 +55,35 @@ struct SharedCells {
   }
 };
 
-SharedCells merge(const std::vector<DepthError>& views) {
+SharedCells merge(const std::vector<SeenTable>& views) {
   SharedCells cells;
-  cells.shared = views.front();
+  cells.shared = views.front().error;
   cells.shared.sigma = 0.0;
-  const std::size_t count = views.front().offset.size();
-  const double full = kFullCell * views.front().cell * views.front().cell;
+  const std::size_t count = cells.shared.offset.size();
+  const double full = kFullCell * cells.shared.cell * cells.shared.cell;
   cells.mean.assign(count, 0.0);
   cells.views.assign(count, 0);
   double products = 0.0, pairs = 0.0, squares = 0.0, shown = 0.0;
   for (std::size_t i = 0; i < count; ++i) {
-    double sum = 0.0, sum_of_squares = 0.0;
-    for (const DepthError& view : views)
-      if (view.count[i] >= full) {
-        sum += view.offset[i];
-        sum_of_squares += static_cast<double>(view.offset[i]) * view.offset[i];
-        ++cells.views[i];
-      }
-    if (cells.views[i] == 0) continue;
-    const double n = cells.views[i];
-    cells.mean[i] = sum / n;
-    squares += sum_of_squares;
-    shown += n;
-    products += 0.5 * (sum * sum - sum_of_squares);
-    pairs += 0.5 * n * (n - 1.0);
+    for (std::size_t a = 0; a < views.size(); ++a) {
+      if (views[a].error.count[i] < full) continue;
+      const double offset = views[a].error.offset[i];
+      cells.mean[i] += (offset - cells.mean[i]) / ++cells.views[i];
+      squares += offset * offset;
+      ++shown;
+      for (std::size_t b = 0; b < a; ++b)
+        if (views[b].error.count[i] >= full && (views[a].p_W[i] - views[b].p_W[i]).norm() > kElsewhere) {
+          products += offset * views[b].error.offset[i];
+          ++pairs;
+        }
+    }
   }
   if (pairs < kFewestPairs) return cells;
   const double all = squares / shown, shared = std::clamp(products / pairs, 0.0, all);
   cells.shared.sigma = std::sqrt(shared);
   cells.rest = std::max(kMinRest * all, all - shared);
   double lengths = 0.0;
-  for (const DepthError& view : views) lengths += view.length;
+  for (const SeenTable& view : views) lengths += view.error.length;
   cells.shared.length = lengths / static_cast<double>(views.size());
   return cells;
 }
@@ -118,15 +135,14 @@ double CameraError::at(double u, double v) const {
 
 CameraError measure_camera_error(std::span<const DepthView> views) {
   const DetectionOptions options;
-  std::vector<DepthError> seen;
+  std::vector<SeenTable> seen;
   for (const DepthView& view : views) {
     const CameraIntrinsics &camera = view.image.camera, &first = views.front().image.camera;
     if (camera.width != first.width || camera.height != first.height) return {};
     if (const auto table_C = detection::find_table(view.image, options))
-      seen.push_back(
-          detection::measure_depth_error(detection::smooth_depth(view.image, options), *table_C, options));
+      seen.push_back(seen_table(view, *table_C, options));
   }
-  if (seen.size() < 2 || seen.front().columns < 2 || seen.front().rows < 2) return {};
+  if (seen.size() < 2 || seen.front().error.columns < 2 || seen.front().error.rows < 2) return {};
   const SharedCells cells = merge(seen);
   if (!(cells.shared.sigma > 0.0)) return {};
   CameraError error{cells.shared.cell, cells.shared.columns, cells.shared.rows, {}, cells.shared.sigma};

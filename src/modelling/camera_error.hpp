@@ -20,10 +20,11 @@ struct CameraError {
 };
 
 /// Reads the error off the bare table, which is flat, in all views. Its variance is the mean product of what
-/// two views show at one pixel; it is carried to where objects hide the table by its correlation (kriging,
-/// Matern 3/2). It takes two views from different sides: what is uneven in a table is then at different
-/// pixels.
-/// @return no error for views of different sizes, and where fewer than two show a table.
+/// two views show at one pixel, where these see different places of the table: each may be uneven in its own
+/// way. It is carried to where objects hide the table by its correlation (kriging, Matern 3/2), and taken to
+/// be the same at all distances.
+/// @return no error for views of different sizes, where fewer than two show a table, and for views from one
+/// pose
 [[nodiscard]] CameraError measure_camera_error(std::span<const DepthView> views);
 
 /// The image without that error.

@@ -85,6 +85,11 @@ TEST(CameraError, TakesTwoViewsOfOneSize) {
   EXPECT_TRUE(measure_camera_error(views).offset.empty());
 }
 
+TEST(CameraError, ViewsFromOnePoseDoNotTellItFromAnUnevenTable) {
+  const Pose camera = cameras_around(1).front();
+  EXPECT_TRUE(measure_camera_error(with_error(views_of({}, {camera, camera, camera}))).offset.empty());
+}
+
 TEST(CameraError, PixelsWithoutDepthKeepNone) {
   auto views = with_error(views_of({}, cameras_around(2)));
   views[0].image.z[100] = 0.0F;
