@@ -56,6 +56,7 @@ TEST(Survey, NothingThatIsWantedNeedsNoMoreThanOneLook) {
 
 /// Two stones that are modelled in a cell with moderate errors.
 struct TwoStones {
+  static constexpr double kMovedApart = 0.06;  // m
   Catalogue catalogue = read_catalogue(data_path("stones"));
   std::vector<StoneIndex> present{StoneIndex(1), StoneIndex(3)};
   std::vector<Pose> T_W_O_first;  ///< true
@@ -68,6 +69,12 @@ struct TwoStones {
     simulation.seed = 5;
     SimulatedCell world(catalogue.stones, present, robot, CellLayout{}, simulation);
     T_W_O_first = world.truth().T_W_O;
+    // Further apart, so that neither falls or rolls against the other.
+    const Eigen::Vector3d between =
+        at(T_W_O_first, present[0]).translation() - at(T_W_O_first, present[1]).translation();
+    Pose& T_W_O = at(T_W_O_first, present[0]);
+    T_W_O.pretranslate(kMovedApart * Eigen::Vector3d(between.x(), between.y(), 0.0).normalized());
+    world.place(present[0], T_W_O);
     Cell cell = world.cell();
     ModelFieldOptions options;
     options.known = &known;
