@@ -109,7 +109,7 @@ class TableCommand : public Commands {
                  ", qx: 0.0871557, qy: 0.0, qz: 0.0, qw: 0.9961947}\n"
                  "simulators:\n  camera: {port: 0, T_T_C: {x: 0.0, y: 0.11, z: -0.17, qx: 0.0871557, "
                  "qy: 0.0, qz: 0.0, qw: 0.9961947}}\n"
-                 "  arm: {standard_ports: false}\n  gripper: {port: 0}\n"
+                 "  arm: {standard_ports: false, speed: 4}\n  gripper: {port: 0}\n"
                  "  force_torque: {port: 0, command_port: 0}\n"));
   }
   [[nodiscard]] std::string cell() const { return read_file(folder_ + "/cell.yaml", 1 << 16); }
