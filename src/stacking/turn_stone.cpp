@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "core/constants.hpp"
@@ -18,29 +19,19 @@ namespace stonestack::stacking {
 namespace {
 
 constexpr double kMinGain = 0.3;     // of the unseen area, that a stone is turned for
+constexpr double kMinShared = 0.35;  // of what a camera sees: below it two sides are seldom joined
 constexpr double kPixel = 0.0005;    // m: half of what a point of a cloud covers, or one alone has no hull
 constexpr double kSameWay = 0.3;     // rad between attitudes in which a stone is let go of
 constexpr double kVisible = -0.25;   // z of a normal: flatter undersides are seen by no camera
 constexpr double kRollsAway = 0.30;  // m from where a stone was let go of to where it may have rolled
 
-/// Area of the unseen surface that a camera above the table sees with the stone turned by R_W_O.
-double area_shown(const StoneCandidate& candidate, const Eigen::Matrix3d& R_W_O) {
-  double area = 0.0;
-  const Mesh& mesh = candidate.model.mesh;
-  for (const auto& face : mesh.faces) {
-    bool seen = false;
-    for (int k = 0; k < 3; ++k) seen |= candidate.model.seen[static_cast<std::size_t>(face[k])] != 0;
-    if (seen) continue;
-    const auto& a = mesh.vertices[static_cast<std::size_t>(face[0])];
-    const Eigen::Vector3d n = 0.5 * (mesh.vertices[static_cast<std::size_t>(face[1])] - a)
-                                        .cross(mesh.vertices[static_cast<std::size_t>(face[2])] - a);
-    if ((R_W_O * candidate.stone.T_O_file.linear() * n).z() > kVisible * n.norm()) area += n.norm();
-  }
-  return area;
-}
-
 double unseen_area(const StoneCandidate& candidate) {
   return (1.0 - candidate.model.seen_share) * surface_area(candidate.model.mesh);
+}
+
+/// Upwards where a stone is let go of, in the frame of the model.
+Eigen::Vector3d up_in_model(const StoneCandidate& candidate, const TurnTo& way) {
+  return candidate.stone.T_O_file.linear().transpose() * (way.R_W_O.conjugate() * Eigen::Vector3d::UnitZ());
 }
 
 class Turner {
@@ -64,7 +55,9 @@ class Turner {
       task.avoid.push_back(candidate.stone.T_O_file * T_model_T);
     const auto plan = plan_turn(scene_, task, ways_to_show(candidate), options_.motion);
     if (plan) {
-      log_info("turning " + candidate.stone.name + " over");
+      log_info(concat("turning ", candidate.stone.name, " over",
+                      plan->height > 0 ? concat(", let go of ", 1e3 * plan->height, " mm above the table")
+                                       : std::string()));
       candidate.let_go = true;
       carry_out(plan->plan, candidate, plan->T_W_O);
       if (candidate.let_go) candidate.up_tried.push_back(up_in_model(candidate, plan->way));
@@ -130,10 +123,6 @@ class Turner {
     }
   }
 
-  /// Upwards where a stone is let go of, in the frame of the model.
-  static Eigen::Vector3d up_in_model(const StoneCandidate& candidate, const TurnTo& way) {
-    return candidate.stone.T_O_file.linear().transpose() * (way.R_W_O.conjugate() * Eigen::Vector3d::UnitZ());
-  }
   /// A stone where it was seen last, in W.
   static std::vector<Mesh> meshes_of(const StoneCandidate& stone) {
     return stone.seen_W.empty() ? std::vector<Mesh>{transformed(stone.stone.mesh, stone.T_W_O)}
@@ -145,26 +134,6 @@ class Turner {
                        [&](const Mesh& part) { return share_on(cloud_C, T_W_C, part) > 0.5; });
   }
 
-  /// Ways that bring much of what was not seen to light, those that show most first; of equal ones those that
-  /// set the stone down before those that let it fall over. None that was tried before.
-  [[nodiscard]] std::vector<TurnTo> ways_to_show(const StoneCandidate& candidate) const {
-    const double unseen = unseen_area(candidate);
-    std::vector<std::pair<int, TurnTo>> ranked;
-    for (const TurnTo& way : ways_to_turn(candidate.stone, Eigen::Quaterniond(candidate.T_W_O.linear()))) {
-      const Eigen::Vector3d up = up_in_model(candidate, way);
-      if (std::any_of(candidate.up_tried.begin(), candidate.up_tried.end(),
-                      [&](const Eigen::Vector3d& tried) { return tried.dot(up) > std::cos(kSameWay); }))
-        continue;
-      const double gain = area_shown(candidate, way.R_W_O_rest.toRotationMatrix()) / unseen;
-      if (gain > kMinGain) ranked.emplace_back(static_cast<int>(std::floor(5.0 * gain)), way);
-    }
-    std::stable_sort(ranked.begin(), ranked.end(),
-                     [](const auto& a, const auto& b) { return a.first > b.first; });
-    std::vector<TurnTo> ways;
-    for (auto& [gain, way] : ranked) ways.push_back(way);
-    return ways;
-  }
-
   Cell& cell_;
   const PlanningScene& scene_;
   std::vector<StoneCandidate>& candidates_;
@@ -174,6 +143,50 @@ class Turner {
 };
 
 }  // namespace
+
+Shown shown_by(const modelling::ObjectModel& model, const Eigen::Matrix3d& R_W_O) {
+  Shown shown;
+  double seen_before = 0.0;
+  for (const auto& face : model.mesh.faces) {
+    bool seen = false;
+    for (int k = 0; k < 3; ++k) seen |= model.seen[static_cast<std::size_t>(face[k])] != 0;
+    const auto& a = model.mesh.vertices[static_cast<std::size_t>(face[0])];
+    const Eigen::Vector3d n = 0.5 * (model.mesh.vertices[static_cast<std::size_t>(face[1])] - a)
+                                        .cross(model.mesh.vertices[static_cast<std::size_t>(face[2])] - a);
+    if ((R_W_O * n).z() > kVisible * n.norm()) (seen ? seen_before : shown.unseen) += n.norm();
+  }
+  const double all = seen_before + shown.unseen;
+  shown.shared = all > 0.0 ? seen_before / all : 0.0;
+  return shown;
+}
+
+std::vector<TurnTo> ways_to_show(const StoneCandidate& candidate) {
+  struct Ranked {
+    bool certain, joins;
+    int gain;
+    TurnTo way;
+  };
+  const double unseen = unseen_area(candidate);
+  std::vector<Ranked> ranked;
+  for (const TurnTo& way : ways_to_turn(candidate.stone, Eigen::Quaterniond(candidate.T_W_O.linear()))) {
+    const Eigen::Vector3d up = up_in_model(candidate, way);
+    if (std::any_of(candidate.up_tried.begin(), candidate.up_tried.end(),
+                    [&](const Eigen::Vector3d& tried) { return tried.dot(up) > std::cos(kSameWay); }))
+      continue;
+    const Shown shown =
+        shown_by(candidate.model, way.R_W_O_rest.toRotationMatrix() * candidate.stone.T_O_file.linear());
+    const double gain = shown.unseen / unseen;
+    if (gain > kMinGain)
+      ranked.push_back(
+          {way.certain, shown.shared > kMinShared, static_cast<int>(std::floor(5.0 * gain)), way});
+  }
+  std::stable_sort(ranked.begin(), ranked.end(), [](const Ranked& a, const Ranked& b) {
+    return std::tie(a.certain, a.joins, a.gain) > std::tie(b.certain, b.joins, b.gain);
+  });
+  std::vector<TurnTo> ways;
+  for (Ranked& one : ranked) ways.push_back(one.way);
+  return ways;
+}
 
 Mesh hull_to_table(const Cloud& cloud_C, const Pose& T_W_C) {
   Mesh points;

@@ -7,6 +7,7 @@
 #include "core/quantile.hpp"
 #include "geometry/convex_pieces.hpp"
 #include "geometry/surface_tree.hpp"
+#include "motion/regrasp.hpp"
 #include "rooms.hpp"
 #include "stacking/survey.hpp"
 #include "stacking/turn_stone.hpp"
@@ -149,6 +150,61 @@ TEST(ModelField, StonesThatAreKnownAreRecognisedAndLeftAsTheyLie) {
   EXPECT_FALSE(in.field.stones[1].known);
   EXPECT_EQ(in.field.stones[1].name, "stone_8") << "no name of a known stone, there or not";
   EXPECT_TRUE(in.field.stones[1].mass.has_value());
+}
+
+/// A stone as it rests, of which the upper half was seen.
+StoneCandidate seen_from_above(const Stone& stone) {
+  StoneCandidate candidate;
+  candidate.stone = stone;
+  candidate.stone.T_O_file = Pose::Identity();
+  candidate.T_W_O = Pose(rest_poses(stone).front().R_W_O);
+  candidate.model.mesh = stone.scan;
+  double seen = 0.0;
+  for (const Eigen::Vector3d& n : vertex_normals(stone.scan)) {
+    candidate.model.seen.push_back((candidate.T_W_O.linear() * n).z() > 0.0 ? 1 : 0);
+    seen += candidate.model.seen.back();
+  }
+  candidate.model.sigma.assign(candidate.model.seen.size(), 0.001);
+  candidate.model.seen_share = seen / static_cast<double>(candidate.model.seen.size());
+  return candidate;
+}
+
+// Upside down it would show all that is unseen, and share too little with what was seen to be joined with it.
+TEST(WaysToShow, ASideThatCanBeJoinedComesBeforeOneThatShowsMore) {
+  int chosen = 0;  // the side that can be joined, where the stone could be turned upside down, too
+  for (const Stone& stone : read_catalogue(data_path("stones")).stones) {
+    const StoneCandidate candidate = seen_from_above(stone);
+    std::vector<double> turned;  // rad, from upwards now to upwards then
+    for (const TurnTo& way : ways_to_show(candidate))
+      turned.push_back(std::acos(
+          std::clamp((way.R_W_O_rest * (candidate.T_W_O.linear().transpose() * Eigen::Vector3d::UnitZ())).z(),
+                     -1.0, 1.0)));
+    ASSERT_FALSE(turned.empty()) << stone.name;
+    const bool upside_down = std::any_of(turned.begin(), turned.end(), [](double by) { return by > 2.6; });
+    chosen += upside_down && turned.front() < 2.3 ? 1 : 0;
+  }
+  EXPECT_GE(chosen, 3);
+}
+
+TEST(WaysToShow, AWayThatMayFallBackComesLast) {
+  const Stone flat = model_stone(make_box({0.14, 0.10, 0.04}), "flat", "a test", {}).stone;
+  const auto ways = ways_to_show(seen_from_above(flat));
+  const auto is_certain = [](const TurnTo& way) { return way.certain; };
+  EXPECT_TRUE(std::is_partitioned(ways.begin(), ways.end(), is_certain));
+  ASSERT_FALSE(ways.empty());
+  EXPECT_TRUE(ways.front().certain);
+  EXPECT_FALSE(ways.back().certain);
+}
+
+TEST(WaysToShow, AWayThatWasTriedIsNotTriedAgain) {
+  StoneCandidate candidate = seen_from_above(read_catalogue(data_path("stones"))[0_stone]);
+  const auto ways = ways_to_show(candidate);
+  ASSERT_FALSE(ways.empty());
+  const Eigen::Vector3d up = ways.front().R_W_O.conjugate() * Eigen::Vector3d::UnitZ();
+  candidate.up_tried.push_back(up);
+  for (const TurnTo& way : ways_to_show(candidate))
+    EXPECT_GT(std::acos(std::clamp(up.dot(way.R_W_O.conjugate() * Eigen::Vector3d::UnitZ()), -1.0, 1.0)),
+              0.29);
 }
 
 TEST(ModelField, AStoneThatNoGraspTurnsIsWeighed) {

@@ -1,6 +1,7 @@
 #include "motion/turn_over.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -21,11 +22,15 @@ constexpr int kMaxTipSteps = 200;
 constexpr int kAxes = 24;                // level axes that a stone is turned about
 constexpr double kMinTurn = 0.6;         // rad: less brings no other side up
 constexpr double kMaxTurn = 1.5;         // rad
-constexpr double kTurnStep = 0.14;       // rad; beyond an edge by two of them it is sure to fall over
+constexpr double kTurnStep = 0.14;       // rad; beyond an edge by ...
+constexpr int kSurelyBeyond = 2;         // ... so many of them a stone is sure to fall over, and by ...
+constexpr int kBeyond = 1;               // ... so many a flat one may
 constexpr double kSameSide = 0.35;       // rad between two rests on one side
 constexpr double kRoomToFall = 0.05;     // m
 constexpr std::size_t kPlacesEach = 24;  // that are tried for each way
-constexpr int kMaxPlans = 10;
+constexpr int kMaxPlans = 10;            // from each height
+constexpr std::array kLetGoAbove{0.0, 0.01, 0.02};  // m above the table: no higher than the gripper needs
+constexpr double kDescentAbove = 0.002;             // m further down, at most
 
 Eigen::Vector3d up_in(const Eigen::Quaterniond& R_W_O) {
   return R_W_O.conjugate() * Eigen::Vector3d::UnitZ();
@@ -51,16 +56,19 @@ Eigen::Vector2d nearest_on(const Polygon2& outline, const Eigen::Vector2d& p) {
   return inside ? p : nearest;
 }
 
-std::optional<TurnTo> falling_over(const Stone& stone, const Eigen::Quaterniond& R_W_O, double axis) {
+/// Turned about a level axis until it falls over an edge, beyond which it is turned by `beyond` steps.
+std::optional<TurnTo> falling_over(const Stone& stone, const Eigen::Quaterniond& R_W_O, double axis,
+                                   int beyond) {
   const Eigen::Vector3d n_W(std::cos(axis), std::sin(axis), 0.0);
-  std::optional<Eigen::Quaterniond> before, first;  // where it came to lie turned one and two steps less
+  std::optional<Eigen::Quaterniond> last;  // where it came to lie turned a step less
+  int same = 0;  // steps of turning that changed nothing about where it comes to lie
   for (double turn = kMinTurn; turn <= kMaxTurn; turn += kTurnStep) {
     const Eigen::Quaterniond let_go(Eigen::AngleAxisd(turn, n_W) * R_W_O);
     const Eigen::Quaterniond rest = tipped_over(stone, let_go);
-    if (!same_side(rest, R_W_O) && first && same_side(rest, *before) && same_side(rest, *first))
-      return TurnTo{let_go, rest, kRoomToFall};
-    first = before;
-    before = rest;
+    same = last && same_side(rest, *last) ? same + 1 : 0;
+    if (!same_side(rest, R_W_O) && same >= beyond)
+      return TurnTo{let_go, rest, kRoomToFall, beyond >= kSurelyBeyond};
+    last = rest;
   }
   return std::nullopt;
 }
@@ -89,9 +97,13 @@ std::vector<TurnTo> ways_to_turn(const Stone& stone, const Eigen::Quaterniond& R
   const RegraspOptions firm;
   for (const RestPose& rest : rest_poses(stone))
     if (!same_side(rest.R_W_O, R_W_O) && rest.margin > firm.min_margin && rest.tilt > firm.min_tilt)
-      ways.push_back({rest.R_W_O, rest.R_W_O, firm.apart});
-  for (int k = 0; k < kAxes; ++k)
-    if (const auto falls = falling_over(stone, R_W_O, kTwoPi * k / kAxes)) ways.push_back(*falls);
+      ways.push_back({rest.R_W_O, rest.R_W_O, firm.apart, true});
+  for (int k = 0; k < kAxes; ++k) {
+    const double axis = kTwoPi * k / kAxes;
+    auto falls = falling_over(stone, R_W_O, axis, kSurelyBeyond);
+    if (!falls) falls = falling_over(stone, R_W_O, axis, kBeyond);
+    if (falls) ways.push_back(*falls);
+  }
   return ways;
 }
 
@@ -105,29 +117,36 @@ std::optional<TurnPlan> plan_turn(const PlanningScene& scene, const PickAndPlace
   PickAndPlaceTask leg = task;
   leg.support = -1;
   leg.T_W_O_place = make_pose({100.0, 0.0, 0.0});  // where the stone lies is free for it
-  int plans = 0;
-  for (const TurnTo& way : ways) {
-    if (from.empty() || plans >= kMaxPlans) break;
-    RegraspOptions room;
-    room.apart = way.apart;
-    const auto places = SetDownPlaces(scene, leg, room).poses(way.R_W_O);
-    for (std::size_t k = 0; k < std::min(places.size(), kPlacesEach) && plans < kMaxPlans; ++k) {
-      throw_if_interrupted();
-      if (pick.end.serving(pick.set->grasps, from, places[k], 1).empty()) continue;
-      ++plans;
-      PickAndPlaceTask turned = leg;
-      turned.T_W_O_place = places[k];
-      PickAndPlacePlan plan = plan_pick_and_place(scene, turned, options);
-      if (plan.status != PickAndPlacePlan::Status::kPlanned) continue;
-      // Let go of as it was turned about the vertical for this place.
-      const Eigen::Quaterniond yaw = Eigen::Quaterniond(places[k].linear()) * way.R_W_O.conjugate();
-      const Eigen::Vector2d p_W_M = (places[k] * task.stone->mass.p_O_M).head<2>();
-      return TurnPlan{std::move(plan), way,
-                      standing(*task.stone, yaw * way.R_W_O_rest, p_W_M, scene.table_z)};
+  int all_plans = 0;
+  for (const double height : kLetGoAbove) {
+    MotionOptions motion = options;
+    // Held so far above the table because the gripper cannot go lower.
+    if (height > 0) motion.descent_past = std::min(motion.descent_past, kDescentAbove);
+    int plans = 0;
+    for (const TurnTo& way : ways) {
+      if (from.empty() || plans >= kMaxPlans) break;
+      RegraspOptions room;
+      room.apart = way.apart;
+      auto places = SetDownPlaces(scene, leg, room).poses(way.R_W_O);
+      for (std::size_t k = 0; k < std::min(places.size(), kPlacesEach) && plans < kMaxPlans; ++k) {
+        throw_if_interrupted();
+        places[k].translation().z() += height;
+        if (pick.end.serving(pick.set->grasps, from, places[k], 1).empty()) continue;
+        ++plans, ++all_plans;
+        PickAndPlaceTask turned = leg;
+        turned.T_W_O_place = places[k];
+        PickAndPlacePlan plan = plan_pick_and_place(scene, turned, motion);
+        if (plan.status != PickAndPlacePlan::Status::kPlanned) continue;
+        // Let go of as it was turned about the vertical for this place.
+        const Eigen::Quaterniond yaw = Eigen::Quaterniond(places[k].linear()) * way.R_W_O.conjugate();
+        const Eigen::Vector2d p_W_M = (places[k] * task.stone->mass.p_O_M).head<2>();
+        return TurnPlan{std::move(plan), way,
+                        standing(*task.stone, yaw * way.R_W_O_rest, p_W_M, scene.table_z), height};
+      }
     }
   }
   log_debug(concat(task.stone->name, ": ", all.size(), " grasps, ", from.size(), " lift it; ", ways.size(),
-                   " ways to turn it, ", plans, " plans tried"));
+                   " ways to turn it, ", all_plans, " plans tried"));
   return std::nullopt;
 }
 
