@@ -7,6 +7,7 @@
 
 #include "core/constants.hpp"
 #include "stacking/model_again.hpp"
+#include "stacking/turn_stone.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/modelling/model_objects.hpp"
@@ -63,6 +64,9 @@ bool add_attitude(const BenchScene& drawn, const Stone& scan, Growing& growing) 
   modelling::LyingObject lying{scene.get(), 0, T_W_O};
   if (!growing.made_of.empty()) {
     const auto found = modelling::find_turned(growing.model, growing.made_of, lying);
+    log_info(concat(scan.name, ": an attitude that shares ",
+                    std::lround(100.0 * stacking::shown_by(growing.model, T_W_O.linear()).shared),
+                    " % of what a camera sees with what was seen before is ", found ? "" : "not ", "joined"));
     if (!found) return false;
     lying.T_W_O = found->T_W_O;
     log_joint(scan, growing.made_of.front(), lying, T_W_O);
