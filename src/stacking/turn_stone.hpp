@@ -19,9 +19,10 @@ struct Shown {
 };
 [[nodiscard]] Shown shown_by(const modelling::ObjectModel& model, const Eigen::Matrix3d& R_W_O);
 
-/// Ways to turn a stone that bring much of what was not seen of it to light: first those after which both
-/// sides share enough seen surface to be joined, then those that show most; of equal ones those that set the
-/// stone down before those that let it fall over. None that was tried before.
+/// Ways to turn a stone that bring much of what was not seen of it to light: first those in which it cannot
+/// fall back, of these those after which both sides share enough seen surface to be joined, of these those
+/// that show most; of equal ones those that set the stone down before those that let it fall over. None that
+/// was tried before.
 [[nodiscard]] std::vector<TurnTo> ways_to_show(const StoneCandidate& candidate);
 
 /// Sets a stone down on another of its sides, or on an edge from which it falls over, so that much of what no
