@@ -65,7 +65,8 @@ ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const 
         if (loose && how != LetGo::kTippedOver) now = executor.check_empty(step, true);
         if (now.status != Status::kReleased) break;
         now = lowered ? executor.retreat(step) : executor.follow(step);
-        if (loose && now.status == Status::kReleased) now = executor.leave_empty(step);
+        if (loose && now.status == Status::kReleased)
+          now = executor.leave_empty(step, how == LetGo::kTippedOver);
         break;
       case PlanStep::Kind::kApproach:
         if (step.threshold <= 0) {

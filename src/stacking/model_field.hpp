@@ -23,7 +23,7 @@ struct ModelFieldOptions {
   MotionOptions motion;
   const Catalogue* known = nullptr;  ///< stones of which some may lie there; null: none
   DetectionOptions detection;        ///< how these are found
-  int first_views = 4;               ///< of the stones as they lie
+  int first_views = 6;               ///< of the stones as they lie
   int turned_views = 4;              ///< each time that some were turned; 0: none is turned
   int turns = 3;                     ///< of a stone, at most
   double view_distance = 0.55;       ///< [m]

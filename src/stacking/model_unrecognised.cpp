@@ -17,6 +17,7 @@
 namespace stonestack::stacking {
 namespace {
 
+constexpr int kViewsOfThing = 4;    // at most
 constexpr double kWasThere = 0.05;  // m between the middles of a thing that nobody moved, in two observations
 constexpr double kMinWidth = 0.025;  // m: what is seen narrower is no stone
 constexpr double kBesideAim = 0.06;  // m between the middle of a thing, and of what closer views show of it
@@ -161,7 +162,7 @@ class Modeller {
   void model(const UnknownThing& thing, std::optional<double> mass, ModelledField& field) {
     const Eigen::Vector3d p_W(thing.p_W.x(), thing.p_W.y(), 0.5 * thing.highest);
     scene_.opening = present_opening(w_.cell, scene_.gripper);
-    const auto taken = survey_if_reached(w_.cell, scene_, dome_over(p_W), p_W, options_.first_views,
+    const auto taken = survey_if_reached(w_.cell, scene_, dome_over(p_W), p_W, kViewsOfThing,
                                          options_.view_distance, options_.motion, journal_);
     field.views += static_cast<int>(taken.size());
     std::string why =

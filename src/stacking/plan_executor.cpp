@@ -6,8 +6,10 @@
 
 #include "core/constants.hpp"
 #include "motion/cartesian.hpp"
+#include "motion/collision.hpp"
 #include "motion/grasp/finger_reach.hpp"
 #include "motion/timing.hpp"
+#include "stacking/back_away.hpp"
 #include "stacking/constants.hpp"
 #include "stacking/gripper_motion.hpp"
 #include "stacking/record.hpp"
@@ -36,9 +38,18 @@ constexpr double kBorne = 1.0, kBorneShare = 0.05;
 constexpr double kRaised =
     0.3;  // of the way on which it was lowered, to see whether it then weighs as before
 constexpr double kOffTable = 0.001;   // m, between finger tips that have felt the table and where they close
+constexpr double kDrawnOut = 0.15;    // m that level fingers are drawn out further from beneath a stone, ...
+constexpr int kDrawnParts = 5;        // ... in so many parts
 constexpr double kFullyOpen = 0.003;  // m, of the opening: fingers so near to their end were stopped by it
 
 using Status = ExecutionResult::Status;
+
+/// True if nothing is in the way along a path.
+bool is_free(const CollisionChecker& checker, const JointPath& path) {
+  for (std::size_t k = 1; k < path.size(); ++k)
+    if (!checker.motion_is_free(path[k - 1], path[k])) return false;
+  return true;
+}
 
 }  // namespace
 
@@ -311,7 +322,7 @@ ExecutionResult PlanExecutor::check_empty(const PlanStep& step, bool may_open) c
                  stone.name, " out of the fingers")};
 }
 
-ExecutionResult PlanExecutor::leave_empty(const PlanStep& step) const {
+ExecutionResult PlanExecutor::leave_empty(const PlanStep& step, bool over_table) const {
   const ExecutionResult first = check_empty(step, false);
   if (first.status != Status::kStopped) return first;
   record(journal, StepBegun{concat("set ", stone.name, " down once more, which hangs on the fingers")});
@@ -332,7 +343,31 @@ ExecutionResult PlanExecutor::leave_empty(const PlanStep& step) const {
   set_payload(false);
   if (const ExecutionResult opened = open_wide(step); opened.status != Status::kReleased) return opened;
   const ExecutionResult back = retreat(step);
-  return back.status == Status::kReleased ? check_empty(step, false) : back;
+  if (back.status != Status::kReleased) return back;
+  const ExecutionResult second = check_empty(step, false);
+  return second.status == Status::kStopped && over_table ? draw_out(step, second) : second;
+}
+
+ExecutionResult PlanExecutor::draw_out(const PlanStep& step, const ExecutionResult& not_empty) const {
+  record(journal, StepBegun{concat("draw the fingers out from beneath ", stone.name)});
+  CollisionRules rules;
+  rules.opening = present_opening(cell, scene.gripper);
+  for (std::size_t k = 0; k < scene.objects.size(); ++k)
+    if (scene.objects[k].name == stone.name) rules.left_out = static_cast<int>(k);
+  const CollisionChecker checker(scene, rules);
+  for (int part = 0; part < kDrawnParts; ++part) {
+    const Joints q = cell.arm.state().q;
+    const auto path = straight_path(
+        scene.robot, scene.T_F_T, q,
+        forward(scene.robot, q) * scene.T_F_T * Eigen::Translation3d(0, 0, -kDrawnOut / kDrawnParts));
+    if (!path || !is_free(checker, *path)) break;
+    if (const ExecutionResult drawn = follow_slowly(step, *path); drawn.status != Status::kReleased)
+      return drawn;
+    if (check_empty(step, false).status != Status::kReleased) continue;
+    set_payload(false);
+    return {};
+  }
+  return not_empty;
 }
 
 double PlanExecutor::lowest_finger(double opening) const {

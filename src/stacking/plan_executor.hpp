@@ -88,8 +88,12 @@ struct PlanExecutor {
   /// decides, as a gripper only reports an object that it closes on. `may_open`: may open fully, once.
   [[nodiscard]] ExecutionResult check_empty(const PlanStep& step, bool may_open) const;
   /// Checks that the fingers are empty once they have left. A stone that hangs on them is set down where it
-  /// came from, once, and left with the fingers fully open.
-  [[nodiscard]] ExecutionResult leave_empty(const PlanStep& step) const;
+  /// came from, once, and left with the fingers fully open. `over_table`: nothing but the table is below;
+  /// then fingers that a stone fell onto are drawn out from beneath it.
+  [[nodiscard]] ExecutionResult leave_empty(const PlanStep& step, bool over_table) const;
+  /// Retreats further, in parts, as far as nothing else is in the way, until the wrist bears nothing: the
+  /// table holds the stone back, which bears most of it. `not_empty` is the result where that does not help.
+  [[nodiscard]] ExecutionResult draw_out(const PlanStep& step, const ExecutionResult& not_empty) const;
   /// Height above the table of the lowest place of the fingers at an opening [m]: those of an inclined
   /// gripper go down as it opens.
   [[nodiscard]] double lowest_finger(double opening) const;

@@ -10,12 +10,12 @@
 namespace stonestack::stacking {
 namespace {
 
-constexpr double kElevations[] = {75.0, 62.0, 50.0, 40.0};  // degrees
-constexpr double kAzimuthStep = 30.0;                       // degrees
-constexpr double kRolls[] = {180.0, 0.0, 90.0, -90.0};      // degrees about the optical axis
-constexpr double kMinCosine = 0.25;                         // of a view on surface that it shows
-constexpr double kBestCosine = 0.8;                         // more shows it no better
-constexpr double kMinGainOfView = 0.02;                     // of the wanted area: less is no view worth
+constexpr double kElevations[] = {75.0, 62.0, 50.0, 40.0, 30.0};  // degrees
+constexpr double kAzimuthStep = 30.0;                             // degrees
+constexpr double kRolls[] = {180.0, 0.0, 90.0, -90.0};            // degrees about the optical axis
+constexpr double kMinCosine = 0.25;                               // of a view on surface that it shows
+constexpr double kSeenWell = 0.6;        // sum of squared cosines: more shows it no better
+constexpr double kMinGainOfView = 0.01;  // of the wanted area: less is no view worth
 
 /// Direction from the target to the camera.
 struct Direction {
@@ -36,10 +36,10 @@ std::vector<Direction> directions_around(const CellLayout& layout, const Eigen::
   return directions;
 }
 
-/// How well surface is seen from a direction: 0 not at all, 1 as well as can be.
+/// Weight of a view from a direction for surface, as in the models: the square of the cosine.
 double shown(const SurfaceElement& element, const Eigen::Vector3d& n_W) {
   const double cosine = element.n_W.dot(n_W);
-  return cosine < kMinCosine ? 0.0 : std::min(1.0, cosine / kBestCosine);
+  return cosine < kMinCosine ? 0.0 : cosine * cosine;
 }
 
 std::vector<Pose> cameras_at(const Eigen::Vector3d& p_W_target, const Eigen::Vector3d& n_W, double distance) {
@@ -75,7 +75,9 @@ std::vector<SurveyView> survey_if_reached(Cell& cell, const PlanningScene& scene
     for (Direction& direction : directions) {
       direction.gain = 0.0;
       for (std::size_t i = 0; i < wanted.size(); ++i)
-        direction.gain += wanted[i].area * std::max(0.0, shown(wanted[i], direction.n_W) - seen[i]);
+        direction.gain +=
+            wanted[i].area * (std::min(1.0, (seen[i] + shown(wanted[i], direction.n_W)) / kSeenWell) -
+                              std::min(1.0, seen[i] / kSeenWell));
     }
     std::stable_sort(directions.begin(), directions.end(),
                      [](const Direction& a, const Direction& b) { return a.gain > b.gain; });
@@ -94,7 +96,7 @@ std::vector<SurveyView> survey_if_reached(Cell& cell, const PlanningScene& scene
     taken.view = take_view(cell, scene.robot, *route);
     taken.T_W_T = taken.view.T_W_C * cell.layout.T_T_C.inverse();
     views.push_back(std::move(taken));
-    for (std::size_t i = 0; i < wanted.size(); ++i) seen[i] = std::max(seen[i], shown(wanted[i], n_W));
+    for (std::size_t i = 0; i < wanted.size(); ++i) seen[i] += shown(wanted[i], n_W);
   }
   return views;
 }

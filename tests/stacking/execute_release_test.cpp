@@ -19,6 +19,7 @@ using End = ExecutionResult::Status;
 struct Released : scripted::Bench {
   double left = 0.0, left_after_retreat = 0.0, opens_at = 0.0;
   double left_again = 0.0;  ///< of it (kg) hangs after it was set down a second time
+  int slides_off = 1000;    ///< after so many free motions that follow that one
   double weighs = 1.0;      ///< the stone [kg]
   double beside = 0.0;      ///< where its load acts, along y of F from the tips [m]
   bool lifted = false, set_down_again = false;
@@ -36,6 +37,7 @@ struct Released : scripted::Bench {
     arm.after_motion = [this] {
       const bool retreated = released && lifted;
       if (!released) lifted = std::count(arm.commands.begin(), arm.commands.end(), "follow") > 1;
+      if (set_down_again && --slides_off < 0) left_again = 0.0;
       if (retreated && arm.commands.back() == "lower") set_down_again = true;
       hang(set_down_again ? left_again : retreated ? left_after_retreat : lifted ? weighs : 0.0);
     };
@@ -119,6 +121,34 @@ TEST(ExecuteRelease, AStoneThatIsTippedOverMayLeanOnTheFingersUntilTheyLeave) {
   Released stuck;
   stuck.left = stuck.left_after_retreat = stuck.left_again = 1.0;
   const auto held = stuck.tip_over();
+  EXPECT_EQ(held.status, End::kStopped);
+  EXPECT_THAT(held.reason, testing::HasSubstr("not empty after release"));
+}
+
+TEST(ExecuteRelease, FingersAreDrawnOutFromBeneathAStoneThatFellOntoThem) {
+  const auto fell_on_fingers = [](Released& cell) { cell.left_after_retreat = cell.left_again = 0.4; };
+  Released cell;
+  fell_on_fingers(cell);
+  cell.slides_off = 3;  // the retreat, and three more
+  const auto done = cell.tip_over();
+  EXPECT_EQ(done.status, End::kReleased) << done.reason;
+  const std::vector<std::string> end(cell.arm.commands.end() - 5, cell.arm.commands.end());
+  EXPECT_THAT(end, testing::ElementsAre("open", "follow", "follow", "follow", "follow"));
+  EXPECT_EQ(cell.arm.payloads.back(), carried_mass(cell.scene.gripper)) << "nothing is carried any more";
+
+  Released over_tower;  // where it would fall onto other stones
+  fell_on_fingers(over_tower);
+  over_tower.slides_off = 3;
+  EXPECT_EQ(over_tower.run().status, End::kStopped);
+
+  Released walled;  // by something 80 mm behind the palm
+  fell_on_fingers(walled);
+  walled.slides_off = 3;
+  const Pose T_W_F = walled.layout.T_W_R * forward(walled.scene.robot, walled.arm.q);
+  walled.scene.T_W_R = walled.layout.T_W_R;
+  walled.scene.objects.push_back(
+      {"wall", {make_box({0.4, 0.4, 0.01})}, T_W_F * Eigen::Translation3d(0, 0, -0.16)});
+  const auto held = walled.tip_over();
   EXPECT_EQ(held.status, End::kStopped);
   EXPECT_THAT(held.reason, testing::HasSubstr("not empty after release"));
 }

@@ -48,6 +48,21 @@ TEST(Survey, EachViewShowsWhatTheOnesBeforeDidNot) {
   }
 }
 
+// Models weigh what a view tells of surface by the square of the cosine, and count it as seen from 0.15 to
+// 0.3 on, by the distance.
+TEST(Survey, SixViewsShowAllUprightSides) {
+  IdealCell in;
+  const Eigen::Vector3d p_W = in.middle();
+  const auto views = survey(in.cell, in.scene(), dome_over(p_W), p_W, 6, 0.55, {});
+  for (double azimuth = 0.0; azimuth < 6.28; azimuth += 0.1) {
+    const Eigen::Vector3d n_W(std::cos(azimuth), std::sin(azimuth), 0.0);
+    double told = 0.0;
+    for (const SurveyView& taken : views)
+      told += std::pow(std::max(0.0, -n_W.dot(taken.view.T_W_C.linear().col(2))), 2);
+    EXPECT_GT(told, 0.4) << "the side towards " << azimuth << " rad";
+  }
+}
+
 TEST(Survey, NothingThatIsWantedNeedsNoMoreThanOneLook) {
   IdealCell in;
   const Eigen::Vector3d p_W = in.middle();
