@@ -17,6 +17,7 @@ using modelling::LyingObject;
 using modelling::ObjectModel;
 
 constexpr double kBesideField = 0.06;    // m beyond it: stones roll
+constexpr int kFewViews = 3;             // an object that no more than one in so many views shows is none
 constexpr double kMinConfidence = 0.5;   // of an object, that it is one and whole
 constexpr double kOtherAttitude = 0.35;  // rad between two attitudes on different sides
 constexpr double kSameObject = 0.12;     // m between where an object is expected and seen
@@ -231,8 +232,9 @@ std::string unfit_object(const AlignedScene& scene, int object, const CellLayout
 std::string unfit_view(const AlignedScene& scene, int object) {
   const auto& seen = scene.segmentation.objects[static_cast<std::size_t>(object)];
   if (seen.cut_off && seen.views < 2) return "is seen in part only";
-  if (seen.views == 1 && scene.views.size() > 2)
-    return concat("is seen in one of ", scene.views.size(), " views only");
+  if (const auto views = static_cast<int>(scene.views.size()); kFewViews * seen.views <= views)
+    return concat("is seen as an object in ", seen.views, " of ", views,
+                  " views only: a part of another, or an edge");
   if (seen.confidence < kMinConfidence)
     return concat("may be several or a part of one: confidence ", seen.confidence);
   return {};

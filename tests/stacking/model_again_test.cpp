@@ -184,6 +184,17 @@ TEST(ModelAgain, AStoneSeenFromBothSidesIsNotTakenForAnother) {
   EXPECT_FALSE(candidates[1 - lost].moved);
 }
 
+// A part of a stone that two of six views part from it would become a stone of its own.
+TEST(UnfitView, AnObjectThatFewViewsShowIsNone) {
+  AlignedScene scene = align_scene(views_of({frustum(false)}, cameras_around(6)));
+  ASSERT_EQ(scene.segmentation.objects.size(), 1U);
+  EXPECT_EQ(unfit_view(scene, 0), "");
+  scene.segmentation.objects[0].views = 3;
+  EXPECT_EQ(unfit_view(scene, 0), "");
+  scene.segmentation.objects[0].views = 2;
+  EXPECT_THAT(unfit_view(scene, 0), testing::HasSubstr("2 of 6"));
+}
+
 TEST(ModelAgain, AStoneThatIsNotSeenAnyMoreKeepsItsModelAndIsNotPlaced) {
   const Thing lay = frustum(false);
   Thing elsewhere = frustum(true);
