@@ -286,10 +286,13 @@ TEST_F(Commands, StonesThatTheGripperCannotCarryAreNotDrawnAndNamed) {
       << done.err;
 }
 
+/// Time of the simulated devices against that of the host.
+const std::string kQuickly = " --set simulators.arm.speed=2";
+
 TEST_F(Commands, BuildsThroughTheRealBackends) {
   const std::string cell = std::string(STONESTACK_SOURCE_DIR) + "/data/cells/loopback-ur10.yaml";
   const Outcome done =
-      run("run --robot ur10 --cell " + cell + " --per-run 2 --height 1 --seed 1 --json --out run");
+      run("run --robot ur10 --cell " + cell + " --per-run 2 --height 1 --seed 1 --json --out run" + kQuickly);
   ASSERT_EQ(done.code, 0) << done.err;
   const json result = done.data();
   EXPECT_EQ(result["height"], 1);
@@ -312,7 +315,8 @@ TEST_F(Commands, RunMovesNothingWithAnotherSafetyConfiguration) {
 // A UR10e with its own force sensor: the weights and contacts of the run come over RTDE.
 TEST_F(Commands, BuildsWithTheArmsOwnForceSensor) {
   const std::string cell = std::string(STONESTACK_SOURCE_DIR) + "/data/cells/loopback-ur10e.yaml";
-  const Outcome done = run("run --cell " + cell + " --per-run 1 --height 1 --seed 1 --json --out run");
+  const Outcome done =
+      run("run --cell " + cell + " --per-run 1 --height 1 --seed 1 --json --out run" + kQuickly);
   ASSERT_EQ(done.code, 0) << done.err;
   EXPECT_EQ(done.data()["height"], 1);
   EXPECT_GE(done.data()["truth"]["height"], 1) << "the run reports a tower that does not stand";
