@@ -70,4 +70,7 @@ class CollisionChecker {
   std::unique_ptr<Shapes> shapes_;
 };
 
+/// True if nothing is in the way anywhere along a path; false for an empty one.
+[[nodiscard]] bool is_free(const CollisionChecker& checker, const JointPath& path);
+
 }  // namespace stonestack::motion

@@ -44,13 +44,6 @@ constexpr double kFullyOpen = 0.003;  // m, of the opening: fingers so near to t
 
 using Status = ExecutionResult::Status;
 
-/// True if nothing is in the way along a path.
-bool is_free(const CollisionChecker& checker, const JointPath& path) {
-  for (std::size_t k = 1; k < path.size(); ++k)
-    if (!checker.motion_is_free(path[k - 1], path[k])) return false;
-  return true;
-}
-
 }  // namespace
 
 void PlanExecutor::intend(const PlanStep& step) const {

@@ -32,9 +32,10 @@ struct SurveyView {
                                                         double distance, const MotionOptions& options,
                                                         Journal* journal = nullptr);
 
-/// Takes up to `count` views of `p_W_target` from `distance` m, each from the direction that shows most of
-/// what no view showed before: the next best view, among those that the arm reaches in the scene. Fewer where
-/// it reaches no more or another shows nothing new. Each is in the journal before the arm moves.
+/// Takes up to `count` views of `p_W_target` from `distance` m, each from the direction that tells most about
+/// surface of which the views before told little: the next best view, among those that the arm reaches in the
+/// scene. Fewer where it reaches no more or another tells nothing new. Each is in the journal before the arm
+/// moves.
 /// @throws DeviceError when no view at all is reached, or the arm stops.
 [[nodiscard]] std::vector<SurveyView> survey(Cell& cell, const PlanningScene& scene,
                                              const std::vector<SurfaceElement>& wanted,

@@ -180,9 +180,7 @@ class TouchPlanner {
     const Pose T_R_T =
         layout_.T_W_R.inverse() * touching_tool({place.x(), place.y(), lowest_tip()}, yaw * kDegree);
     const auto path = straight_path(scene_.robot, scene_.T_F_T, q, T_R_T);
-    if (!path) return std::nullopt;
-    for (std::size_t k = 1; k < path->size(); ++k)
-      if (!down_->motion_is_free((*path)[k - 1], (*path)[k])) return std::nullopt;
+    if (!path || !motion::is_free(*down_, *path)) return std::nullopt;
     TimingLimits limits = timing_limits(scene_.robot, motion_);
     limits.tool_speed = kTouchSpeed;
     PlanStep step;

@@ -238,4 +238,10 @@ const CollisionRules& CollisionChecker::rules() const {
   return shapes_->rules;
 }
 
+bool is_free(const CollisionChecker& checker, const JointPath& path) {
+  for (std::size_t i = 0; i + 1 < path.size(); ++i)
+    if (!checker.motion_is_free(path[i], path[i + 1])) return false;
+  return !path.empty();
+}
+
 }  // namespace stonestack::motion

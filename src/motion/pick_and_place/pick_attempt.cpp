@@ -75,12 +75,6 @@ CollisionRules rules(double padding, double opening, int left_out) {
   return r;
 }
 
-bool is_free(const CollisionChecker& checker, const JointPath& path) {
-  for (std::size_t i = 0; i + 1 < path.size(); ++i)
-    if (!checker.motion_is_free(path[i], path[i + 1])) return false;
-  return !path.empty();
-}
-
 PickAttempt::PickAttempt(const PlanningScene& scene, const PickAndPlaceTask& task,
                          const MotionOptions& options, const Grasp& grasp)
     : scene_(spaced(scene, grasp.spacing)),

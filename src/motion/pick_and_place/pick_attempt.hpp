@@ -99,8 +99,6 @@ class PickAttempt {
 
 /// Rules of a checker with that clearance [m] and opening [m], one object left out.
 [[nodiscard]] CollisionRules rules(double padding, double opening, int left_out);
-/// True if every piece of the path is free.
-[[nodiscard]] bool is_free(const CollisionChecker& checker, const JointPath& path);
 /// Times the paths. `pick` is the opening with the stone between the pads.
 [[nodiscard]] std::vector<PlanStep> timed_steps(const PlanningScene& scene, const PickAndPlaceTask& task,
                                                 const MotionOptions& options, const Grasp& grasp,
