@@ -227,16 +227,14 @@ TEST(ModelField, AStoneThatNoGraspTurnsIsWeighed) {
   for (const double x : {-1.0, 1.0})
     for (const double y : {-1.0, 1.0}) {
       corners.vertices.emplace_back(0.050 * x, 0.070 * y, 0.0);
-      corners.vertices.emplace_back(0.045 * x, 0.065 * y, 0.030);
+      corners.vertices.emplace_back(0.045 * x, 0.065 * y, 0.024);
     }
   const Stone low = model_stone(convex_hull(corners), "low", "a test", {}).stone;
   SimulationOptions simulation = options_of_cell("ideal");
   simulation.seed = 3;
   SimulatedCell world({low}, {0_stone}, read_robot("ur10"), CellLayout{}, simulation);
   Cell cell = world.cell();
-  ModelFieldOptions options;
-  options.turns = 1;  // where it lies once it was weighed, another grasp may turn it
-  const ModelledField field = model_field(cell, read_robot("ur10"), options);
+  const ModelledField field = model_field(cell, read_robot("ur10"));
   ASSERT_EQ(field.stones.size(), 1U);
   EXPECT_FALSE(field.stones[0].turned);
   EXPECT_EQ(field.stones[0].note, "no grasp sets it down on another side");
