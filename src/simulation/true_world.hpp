@@ -160,6 +160,8 @@ class TrueWorld {
   [[nodiscard]] Eigen::Vector3d corner_at_table() const;
   [[nodiscard]] GripperLoad table_load() const;
   [[nodiscard]] std::string hard_contact() const;
+  /// ", hardest by PART at PLACE" of what presses on rigid parts of the gripper; empty without any.
+  [[nodiscard]] std::string hardest_contact() const;
 
   SimulationOptions options_;
   EngineKind engine_kind_;

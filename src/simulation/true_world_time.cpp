@@ -242,8 +242,28 @@ std::string TrueWorld::hard_contact() const {
   if (felt_.norm() > kArmMaxForce)
     return concat("a force of ", felt_.norm(), " N on the gripper (limit ", kArmMaxForce,
                   " N): ", pad_load_.force.norm(), " N by the pads, ", table_load().force.norm(),
-                  " N by the table, the rest by its rigid parts");
+                  " N by the table, the rest by its rigid parts", hardest_contact());
   return {};
+}
+
+std::string TrueWorld::hardest_contact() const {
+  const GripperPart* part = nullptr;
+  Eigen::Vector3d p_W_hardest = Eigen::Vector3d::Zero();
+  double hardest = 0.0;
+  if (engine_)
+    for (const auto& contact : engine_->world->contacts())
+      for (const int body : {contact.above, contact.below})
+        if (body >= engine_->first_box && contact.impulse > hardest) {
+          part = &model_.boxes[static_cast<std::size_t>(body - engine_->first_box)];
+          hardest = contact.impulse;
+          p_W_hardest = contact.p_W;
+        }
+  if (part == nullptr) return {};
+  return concat(", hardest by ",
+                part->camera       ? "the camera"
+                : part->finger < 0 ? "the palm"
+                                   : "a finger",
+                " at x ", p_W_hardest.x(), " y ", p_W_hardest.y(), " z ", p_W_hardest.z());
 }
 
 Progress TrueWorld::advance(double seconds, const GripperPath& path) {

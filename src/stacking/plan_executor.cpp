@@ -7,6 +7,7 @@
 #include "core/constants.hpp"
 #include "motion/cartesian.hpp"
 #include "motion/collision.hpp"
+#include "motion/constants.hpp"
 #include "motion/grasp/finger_reach.hpp"
 #include "motion/timing.hpp"
 #include "stacking/back_away.hpp"
@@ -199,8 +200,12 @@ ExecutionResult PlanExecutor::release(const std::string& why) const {
 }
 
 ExecutionResult PlanExecutor::put_back(const PlanStep& lift, const std::string& why) const {
+  // A stone that has swung may hang low, and be met anywhere on the way.
+  TimingLimits limits = timing_limits(scene.robot, options);
+  limits.tool_speed = std::min(options.approach_speed, motion::kGuardedSpeed);
+  const JointPath way(lift.trajectory.q.rbegin(), lift.trajectory.q.rend());
   GuardedMotion down;
-  down.trajectory = reversed(lift.trajectory);
+  if (!way.empty()) down.trajectory = time_path(way, limits, scene.robot, scene.T_F_T);
   down.threshold = options.early_threshold;
   const MotionResult moved = cell.arm.follow_guarded(down);
   if (moved.status != MotionResult::Status::kContact && moved.status != MotionResult::Status::kNoContact)

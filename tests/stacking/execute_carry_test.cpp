@@ -77,6 +77,31 @@ TEST(Execute, AStoneThatTurnedInTheGripperIsBroughtBack) {
               testing::ElementsAre("follow", "follow", "follow", "lower", "follow", "open", "follow"));
 }
 
+TEST(Execute, AStoneThatTurnedInTheGripperIsPutBackSlowly) {
+  Carried cell({1.0, 1.0});
+  cell.beside = {0.07, 0.07, 0.07, 0.07};
+  JointTrajectory& lift = cell.plan.steps[0].trajectory;
+  lift.time = {0.0, 0.5};
+  lift.q = {cell.arm.q + Joints::Unit(1) * 0.1, cell.arm.q};
+  lift.qd = {Joints::Zero(), Joints::Zero()};
+  const auto height = [&](const Joints& q) {
+    return (cell.layout.T_W_R * forward(cell.scene.robot, q) * cell.scene.T_F_T).translation().z();
+  };
+  double fastest = 0.0, lowered = 0.0;
+  cell.arm.mean_force = [&](const GuardedMotion& down) {
+    const JointTrajectory& way = down.trajectory;
+    for (std::size_t k = 1; k < way.q.size(); ++k)
+      fastest =
+          std::max(fastest, (height(way.q[k - 1]) - height(way.q[k])) / (way.time[k] - way.time[k - 1]));
+    lowered = height(way.q.front()) - height(way.q.back());
+    return 0.0;
+  };
+  EXPECT_THAT(cell.Bench::run({Status::kContact}).reason, testing::HasSubstr("turned in the gripper"));
+  EXPECT_GT(lowered, 0.05) << "all the way that it was lifted";
+  EXPECT_GT(fastest, 0.03);
+  EXPECT_LE(fastest, 0.051) << "it may hang lower than it lay, and a guard hears of a contact late";
+}
+
 /// Lowered, the stone touches something that bears a part of it; raised, it weighs `raised` kg.
 struct Touching : Carried {
   explicit Touching(double lowered, double raised) : Carried({1.0, 1.0, lowered, raised, raised, 0.0}) {
