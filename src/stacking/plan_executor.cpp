@@ -201,11 +201,9 @@ ExecutionResult PlanExecutor::release(const std::string& why) const {
 
 ExecutionResult PlanExecutor::put_back(const PlanStep& lift, const std::string& why) const {
   // A stone that has swung may hang low, and be met anywhere on the way.
-  TimingLimits limits = timing_limits(scene.robot, options);
-  limits.tool_speed = std::min(options.approach_speed, motion::kGuardedSpeed);
   const JointPath way(lift.trajectory.q.rbegin(), lift.trajectory.q.rend());
   GuardedMotion down;
-  if (!way.empty()) down.trajectory = time_path(way, limits, scene.robot, scene.T_F_T);
+  if (!way.empty()) down.trajectory = timed(way, std::min(options.approach_speed, motion::kGuardedSpeed));
   down.threshold = options.early_threshold;
   const MotionResult moved = cell.arm.follow_guarded(down);
   if (moved.status != MotionResult::Status::kContact && moved.status != MotionResult::Status::kNoContact)
@@ -275,10 +273,8 @@ ExecutionResult PlanExecutor::feel_down_from_here(const PlanStep& step, bool* to
   const Pose T_R_T = forward(scene.robot, step.trajectory.q.back()) * scene.T_F_T;
   const auto path = straight_path(scene.robot, scene.T_F_T, cell.arm.state().q, T_R_T);
   if (!path) return {Status::kStopped, 0.0, step.name + ": no straight path from where the arm stands"};
-  TimingLimits limits = timing_limits(scene.robot, options);
-  limits.tool_speed = options.descent_speed;
   PlanStep actual = step;
-  actual.trajectory = time_path(*path, limits, scene.robot, scene.T_F_T);
+  actual.trajectory = timed(*path, options.descent_speed);
   return feel_down(actual, touched);
 }
 
@@ -328,10 +324,9 @@ ExecutionResult PlanExecutor::leave_empty(const PlanStep& step, bool over_table)
                                   forward(scene.robot, cell.arm.state().q) * scene.T_F_T *
                                       Eigen::Translation3d(0, 0, retreat_length(step)));
   if (!path) return first;
-  TimingLimits limits = timing_limits(scene.robot, options);
-  limits.tool_speed = options.descent_speed;  // fingers may be as low as a stone that hangs askew
   GuardedMotion down;
-  down.trajectory = time_path(*path, limits, scene.robot, scene.T_F_T);
+  // Fingers may be as low as a stone that hangs askew.
+  down.trajectory = timed(*path, options.descent_speed);
   down.threshold = options.early_threshold;
   const MotionResult moved = cell.arm.follow_guarded(down);
   if (moved.status != MotionResult::Status::kContact && moved.status != MotionResult::Status::kNoContact)
@@ -405,11 +400,15 @@ ExecutionResult PlanExecutor::go_back(const PlanStep& step, double distance) con
 }
 
 ExecutionResult PlanExecutor::follow_slowly(const PlanStep& step, const JointPath& path) const {
-  TimingLimits limits = timing_limits(scene.robot, options);
-  limits.tool_speed = kRetreatSpeed;
   PlanStep actual = step;
-  actual.trajectory = time_path(path, limits, scene.robot, scene.T_F_T);
+  actual.trajectory = timed(path, kRetreatSpeed);
   return follow(actual);
+}
+
+JointTrajectory PlanExecutor::timed(const JointPath& path, double tool_speed) const {
+  TimingLimits limits = timing_limits(scene.robot, options);
+  limits.tool_speed = tool_speed;
+  return time_path(path, limits, scene.robot, scene.T_F_T);
 }
 
 std::optional<JointPath> PlanExecutor::path_from_here(const PlanStep& step, double share) const {
@@ -426,10 +425,8 @@ ExecutionResult PlanExecutor::push(const PlanStep& step, bool* resisted) const {
   const Eigen::Vector3d shift = tip(route.back()) - tip(route.front());
   const auto path = path_from_here(step);
   if (!path) return {Status::kStopped, 0.0, step.name + ": no straight path on"};
-  TimingLimits limits = timing_limits(scene.robot, options);
-  limits.tool_speed = shift.norm() / step.trajectory.duration();
   GuardedMotion motion;
-  motion.trajectory = time_path(*path, limits, scene.robot, scene.T_F_T);
+  motion.trajectory = timed(*path, shift.norm() / step.trajectory.duration());
   motion.threshold = step.threshold;
   motion.n_W_direction = shift.normalized();
   const MotionResult moved = cell.arm.follow_guarded(motion);

@@ -116,6 +116,8 @@ struct PlanExecutor {
   [[nodiscard]] std::optional<JointPath> path_from_here(const PlanStep& step, double share = 1.0) const;
   /// Follows a straight path slowly.
   [[nodiscard]] ExecutionResult follow_slowly(const PlanStep& step, const JointPath& path) const;
+  /// A path with times, the tool never faster than `tool_speed` m/s.
+  [[nodiscard]] JointTrajectory timed(const JointPath& path, double tool_speed) const;
 };
 
 }  // namespace stonestack::stacking

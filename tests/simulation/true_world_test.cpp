@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <sstream>
+#include <string>
+
 #include "pebble.hpp"
 #include "simulation/true_shape.hpp"
 
@@ -76,6 +79,29 @@ TEST(TrueWorld, PressingIntoTheTableStopsTheGripper) {
   });
   EXPECT_NE(progress.stopped.find("N on the gripper"), std::string::npos) << progress.stopped;
   EXPECT_LT(progress.seconds, 1.2);
+}
+
+TEST(TrueWorld, AStopByForceSaysWhatWasPressedWhere) {
+  TrueWorld world = make_world();
+  (void)world.wait(4.0);
+  const Eigen::Vector3d p_W = world.centre_of_mass(0_stone);
+  GripperPose closed = gripper_at(tool_down({p_W.x(), p_W.y(), 0.15}));
+  closed.finger = {0.0, 0.0, 0.0};
+  const Progress progress = world.advance(8.0, [&](double t) {
+    GripperPose lower = closed;
+    lower.T_W_T.translation().z() -= 0.02 * t;
+    return lower;
+  });
+  const std::string part = "hardest by a finger at x ";
+  const auto at = progress.stopped.find(part);
+  ASSERT_NE(at, std::string::npos) << progress.stopped;
+  std::istringstream place(progress.stopped.substr(at + part.size()));
+  double x = 1.0, y = 1.0, z = 0.0;
+  std::string name;
+  place >> x >> name >> y >> name >> z;
+  EXPECT_NEAR(x, p_W.x(), 0.05) << progress.stopped;
+  EXPECT_NEAR(y, p_W.y(), 0.05) << progress.stopped;
+  EXPECT_GT(z, p_W.z()) << "on top of the stone";
 }
 
 TEST(TrueWorld, SameSeedSameBits) {
