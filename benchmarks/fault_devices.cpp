@@ -29,6 +29,10 @@ constexpr double kClaimed = 0.030;  // m between a stone and where the run says 
 constexpr double kSilence = 5.0;    // s
 constexpr double kDelay = 0.5;      // s
 constexpr double kHour = 3600.0;    // s
+constexpr double kDriftRate = 0.1;  // N/s
+constexpr double kPast = 0.16;      // m, level, from the tool's tip to a stone that the fingers are clear of
+constexpr double kPastStep = 0.01;  // m
+constexpr double kLow = 0.20;       // m: the fingers of a tip that is lower reach what lies on the table
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
@@ -61,8 +65,8 @@ struct FaultRun {
   std::optional<DepthFrame> last_frame;
   std::optional<Wrench> last_wrench;
   std::optional<double> frozen_time;
-  double struck_at = 0.0;
-  std::string journal_path;  ///< of a run whose disk fills up
+  double struck_at = 0.0, tared_at = 0.0;  // s
+  std::string journal_path;                ///< of a run whose disk fills up
   Journal journal;
 
   FaultRun(const FaultScene& s, const Fault& f, FaultPhase p, const SimulationOptions& options)
@@ -163,12 +167,28 @@ struct FaultRun {
       if ((truth.T_W_O[k].translation().head<2>() - inner.layout.site).norm() < 0.1) return k;
     return 0;
   }
-  void shift(const Eigen::Vector3d& by, bool to_table) {
-    const std::size_t k = victim();
-    Pose T_W_O = world.truth().T_W_O[k];
-    T_W_O.translation() += by;
+  void move(std::size_t k, Pose T_W_O, bool to_table) {
     if (to_table) T_W_O.translation().z() -= box(k, T_W_O).min().z() - 0.001;
     world.place(StoneIndex(static_cast<int>(k)), T_W_O);
+  }
+  void shift(const Eigen::Vector3d& by, bool to_table) {
+    const std::size_t k = victim();
+    move(k, Eigen::Translation3d(by) * world.truth().T_W_O[k], to_table);
+  }
+  /// To where it lies on the table, or further that way, past the fingers: no stone can lie in them.
+  void throw_over(const Eigen::Vector3d& by) {
+    const std::size_t k = victim();
+    const Eigen::Vector3d p = tip(), on = kPastStep * by.normalized();
+    Pose T_W_O = Eigen::Translation3d(by) * world.truth().T_W_O[k];
+    while (p.z() < kLow && (box(k, T_W_O).center() - p).head<2>().norm() < kPast) T_W_O.translation() += on;
+    move(k, T_W_O, true);
+  }
+  /// Along the pads of the fingers about it, which no stone can pass; a stone that lies elsewhere along x.
+  void slip(double by, bool to_table) {
+    const std::size_t k = victim();
+    const Pose T_W_T = inner.layout.T_W_R * forward(scene.robot, inner.arm.state().q) * inner.layout.T_F_T;
+    const bool in_fingers = (box(k, world.truth().T_W_O[k]).center() - T_W_T.translation()).norm() < kHeld;
+    shift(in_fingers ? by * T_W_T.linear().col(1) : Eigen::Vector3d(by, 0, 0), to_table);
   }
   void strike() {
     const std::string& n = fault.name;
@@ -176,11 +196,11 @@ struct FaultRun {
     if (n == "sudden loss" && holding) shift({0, 0, 0}, true);
     if (n == "slow slip" && holding) shift({0, 0, -0.010}, false);
     if (n == "opens by itself") (void)inner.gripper.move(0.155, 0.05, 60.0);
-    if (n == "stone slips 5 mm") shift({0.005, 0, 0}, false);
-    if (n == "stone slips 20 mm") shift({0.020, 0, 0}, !holding);
+    if (n == "stone slips 5 mm") slip(0.005, false);
+    if (n == "stone slips 20 mm") slip(0.020, !holding);
     if (n == "stone gone") shift({-3.0, 0, 0}, true);
-    if (n == "tower falls") shift({0.0, -0.15, 0}, true);
-    if (n == "stone moved") shift({0.04, 0.02, 0}, true);
+    if (n == "tower falls") throw_over({0.0, -0.15, 0});
+    if (n == "stone moved") throw_over({0.04, 0.02, 0});
     if (n == "interrupt") interrupt.over = true;
     if (n == "disk full") journal = Journal("/dev/full");
   }
@@ -357,7 +377,7 @@ struct FaultySensor : ForceTorqueSensor {
     if (!run.last_wrench || !run.is("stuck")) run.last_wrench = w;
     if (run.is("stuck")) w.force = run.last_wrench->force, w.torque = run.last_wrench->torque;
     if (run.is("zero")) w.force.setZero(), w.torque.setZero();
-    if (run.is("drift")) w.force.z() += 0.1 * (w.device_time - run.struck_at);
+    if (run.is("drift")) w.force.z() += kDriftRate * (w.device_time - std::max(run.struck_at, run.tared_at));
     if (run.once("spike")) w.force.z() += 200.0;
     if (run.is("saturated")) w.force.setConstant(300.0);
     if (run.is("force not a number")) w.force.x() = kNan;
@@ -369,6 +389,7 @@ struct FaultySensor : ForceTorqueSensor {
     const std::scoped_lock lock(run.mutex);
     run.link("sensor");
     run.inner.force_torque.zero();
+    run.tared_at = run.world.truth().time;
   }
 };
 

@@ -238,24 +238,31 @@ SiteStatus site_in(const Views& views, const Eigen::Vector2d& site) {
   constexpr double kRadius = 0.10;     // m about the site
   constexpr double kOnTable = 0.015;   // m: higher is something
   constexpr double kSomething = 8e-4;  // m^2 of it that count, seen along the camera's rays
-  constexpr double kEnough = 0.6;      // of the circle, in one view
-  constexpr int kStride = 2;
-  bool free = false;
+  constexpr double kEnough = 0.6;      // of the circle, in all views together
+  constexpr double kCell = 0.01;       // m
+  constexpr int kStride = 2, kCells = static_cast<int>(2 * kRadius / kCell + 0.5);
+  std::vector<bool> table(static_cast<std::size_t>(kCells * kCells), false);
   for (const CameraView& view : views) {
     const CameraIntrinsics& camera = view.image.camera;
-    double table = 0.0, above = 0.0;
+    double above = 0.0;
     for (int v = 0; v < camera.height; v += kStride)
       for (int u = 0; u < camera.width; u += kStride) {
         const double z = view.image.at(u, v);
         if (!(z > 0.0)) continue;
         const Eigen::Vector3d p_W = view.T_W_C * Eigen::Vector3d(z * deproject(camera, u, v));
-        if ((p_W.head<2>() - site).norm() > kRadius) continue;
-        (p_W.z() > kOnTable ? above : table) += kStride * kStride * z * z / (camera.fx * camera.fy);
+        const Eigen::Vector2d beside = p_W.head<2>() - site;
+        if (beside.norm() >= kRadius) continue;
+        if (p_W.z() > kOnTable) {
+          above += kStride * kStride * z * z / (camera.fx * camera.fy);
+          continue;
+        }
+        const Eigen::Vector2i cell = ((beside.array() + kRadius) / kCell).floor().cast<int>();
+        table[static_cast<std::size_t>(cell.y() * kCells + cell.x())] = true;
       }
     if (above > kSomething) return SiteStatus::kOccupied;
-    free = free || table > kEnough * M_PI * kRadius * kRadius;
   }
-  return free ? SiteStatus::kFree : SiteStatus::kUnseen;
+  const double shown = kCell * kCell * static_cast<double>(std::count(table.begin(), table.end(), true));
+  return shown > kEnough * M_PI * kRadius * kRadius ? SiteStatus::kFree : SiteStatus::kUnseen;
 }
 
 bool same_place(const ShapeList& shapes, const PlacedStone& a, const PlacedStone& b, double shift,

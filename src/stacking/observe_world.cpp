@@ -23,6 +23,8 @@ constexpr double kSameShift = 0.015;    // m
 constexpr double kViewSameTurn = 0.10;  // rad
 constexpr double kSameLevel = 0.002;    // m, a stone of the tower: the most that two views of it differ by
 constexpr double kSameTilt = 0.035;     // rad
+constexpr int kMaxSiteViews = 3;
+constexpr double kTurnedImage = 1.0;  // rad: views that are so much apart show a place in different pixels
 
 Eigen::Vector2d level_direction(const Pose& T_W_C) {
   return T_W_C.linear().col(2).head<2>().normalized();
@@ -35,8 +37,8 @@ Arrangement expected_arrangement(const Expectation& expected) {
   return at_rest(world);
 }
 
-/// Nobody knows what stands at the site when a run begins: if the views do not show that nothing does, two
-/// more are added that show it from its sides.
+/// Nobody knows what stands at the site when a run begins: if the views do not show that nothing does, more
+/// are added that show it from its sides, and turned where one does not show enough of it.
 SiteStatus view_site(Workcell& w, Views& views) {
   const Eigen::Vector2d& site = w.cell.layout.site;
   if (site_in(views, site) == SiteStatus::kFree) return SiteStatus::kFree;
@@ -44,10 +46,19 @@ SiteStatus view_site(Workcell& w, Views& views) {
       view_poses(w.cell.layout, {site.x(), site.y(), kSiteViewHeight}, w.options.view_distance);
   std::erase_if(poses, [](const Pose& T_W_C) { return -T_W_C.linear()(2, 2) > kLow; });
   Views of_site{view_along(w, route_to(w, {{}, true}, poses))};
-  const SiteStatus status = site_in(of_site, site);
+  SiteStatus status = site_in(of_site, site);
+  while (status == SiteStatus::kUnseen && static_cast<int>(of_site.size()) < kMaxSiteViews) {
+    std::erase_if(poses, [&](const Pose& T_W_C) {
+      return difference(T_W_C, of_site.back().T_W_C).angle < kTurnedImage;
+    });
+    const auto route = find_route(w, {{}, true}, poses);
+    if (!route) break;
+    of_site.push_back(view_along(w, *route));
+    status = site_in(of_site, site);
+  }
   if (status == SiteStatus::kOccupied) {
     w.emit(SiteOccupied{});
-    const Eigen::Vector2d seen_along = level_direction(of_site.front().T_W_C);
+    const Eigen::Vector2d seen_along = level_direction(of_site.back().T_W_C);
     std::erase_if(poses,
                   [&](const Pose& T_W_C) { return level_direction(T_W_C).dot(seen_along) > kOtherSide; });
     // Only a missing route is passed over: an arm or a camera that fails ends the run.

@@ -24,6 +24,15 @@ TEST_F(BenchCommand, FaultsOfACarryBreakNoInvariant) {
   EXPECT_EQ(totals[0]["all_invariants_kept"], 5) << rows_of(done.data(), "broken").dump(1);
 }
 
+TEST_F(BenchCommand, FaultsThatAreNotFatalEndWithTheRightTower) {
+  const Outcome done = run("faults --only 'stone slips 20 mm,stone moved,drift' --phase lift --json");
+  ASSERT_EQ(done.code, 0) << done.err;
+  const json totals = rows_of(done.data(), "totals");
+  ASSERT_EQ(totals.size(), 1U);
+  EXPECT_EQ(totals[0]["faults_that_are_not_fatal"], 3);
+  EXPECT_EQ(totals[0]["of_these_ended_with_the_right_tower"], 3) << rows_of(done.data(), "not right").dump(1);
+}
+
 TEST_F(BenchCommand, FaultsRefuseAnUnknownName) {
   expect_refusal("faults --only nonsense", 2, {"no such fault"});
 }

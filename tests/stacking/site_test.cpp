@@ -44,6 +44,24 @@ TEST(SiteIn, DistinguishesTableObjectsAndNothing) {
   EXPECT_EQ(site_in({look_down(site), thing}, site), SiteStatus::kOccupied) << "one view is enough";
 }
 
+/// Takes the depth of one half of the columns away.
+void hide_half(DepthImage& image, bool right) {
+  for (int v = 0; v < image.camera.height; ++v)
+    for (int u = 0; u < image.camera.width; ++u)
+      if ((u >= image.camera.width / 2) == right)
+        image.z[static_cast<std::size_t>(v * image.camera.width + u)] = 0.0F;
+}
+
+TEST(SiteIn, ViewsThatShowPartOfItEachAreTakenTogether) {
+  const Eigen::Vector2d site(0.7, 0.28);
+  CameraView left = look_down(site), right = look_down(site);
+  hide_half(left.image, false);
+  hide_half(right.image, true);
+  EXPECT_EQ(site_in({left}, site), SiteStatus::kUnseen);
+  EXPECT_EQ(site_in({left, left}, site), SiteStatus::kUnseen) << "the same half twice";
+  EXPECT_EQ(site_in({left, right}, site), SiteStatus::kFree);
+}
+
 struct Started {
   Catalogue catalogue = read_catalogue(data_path("stones"));
   RobotModel robot = read_robot("ur10");
@@ -110,6 +128,33 @@ TEST(Site, AnUnseenSiteIsNotBuiltOn) {
   EXPECT_EQ(result.end, RunResult::End::kNoPose);
   EXPECT_THAT(result.ended, HasSubstr("no view shows whether something stands at the site"));
   EXPECT_TRUE(result.placements.empty());
+}
+
+/// A camera of which half of the image has failed.
+struct HalfCamera : DepthCamera {
+  DepthCamera& camera;
+  bool right;
+  HalfCamera(DepthCamera& real, bool right_half) : camera(real), right(right_half) {}
+  DepthFrame capture() override {
+    DepthFrame frame = camera.capture();
+    hide_half(frame.image, right);
+    return frame;
+  }
+};
+
+TEST(Site, FieldAndSiteAreSeenTurnedWhereHalfOfTheImageIsMissing) {
+  for (const bool right : {false, true}) {
+    Started lab({1_stone});
+    const Cell real = lab.world->cell();
+    HalfCamera camera(real.camera, right);
+    Cell cell{real.arm, real.gripper, real.force_torque, camera, real.clock, real.layout};
+    BuildOptions options;
+    options.max_stones = 1;
+    options.refine_camera = false;
+    options.search.horizon = 1;
+    const RunResult result = build_tower(cell, lab.catalogue, lab.robot, options);
+    EXPECT_EQ(result.height, 1) << (right ? "right" : "left") << " half: " << result.ended;
+  }
 }
 
 TEST(Site, AnUnknownObjectIsNotBuiltOn) {
