@@ -390,6 +390,7 @@ TEST(UrArmOnController, AnEmergencyStopIsEndedByPeople) {
     moved = cell.arm->follow(planned(0.1));
   } while (!limit.over() && moved.reason.find("re-armed") == std::string::npos);
   EXPECT_EQ(moved.status, Status::kRefused) << "powered, brakes released, but nobody has confirmed a check";
+  EXPECT_THAT(moved.reason, HasSubstr("re-armed"));
   cell.arm->rearm();
   while (!limit.over() && !cell.arm->state().can_move)
     std::this_thread::sleep_for(std::chrono::milliseconds(20));

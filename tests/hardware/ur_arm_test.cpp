@@ -4,9 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <tuple>
 
 #include "hardware/fake_ur.hpp"
 #include "hardware/safety_state.hpp"
+#include "stonestack/core/clock.hpp"
+#include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::hardware {
@@ -610,6 +613,43 @@ TEST(UrArm, PolyScopeXIsRefused) {
   } catch (const DeviceError& error) {
     EXPECT_THAT(error.what(), HasSubstr("UR controller at 127.0.0.1: PolyScope X 10.7.0.0"));
   }
+}
+
+TEST(UrArm, NamesEveryStopOfTheSafetySystem) {
+  const auto stop = [](int safety, std::uint32_t bits) {
+    UrStatus status;
+    status.safety = safety;
+    status.safety_bits = bits;
+    return find_safety_stop(status);
+  };
+  EXPECT_EQ(stop(1, 1U), "") << "normal";
+  EXPECT_EQ(stop(2, 2U), "") << "reduced";
+  const std::vector<std::tuple<int, unsigned, std::string>> stops = {{3, 2, "protective stop"},
+                                                                     {4, 3, "recovery mode"},
+                                                                     {5, 4, "safeguard stop"},
+                                                                     {6, 5, "emergency stop of the system"},
+                                                                     {7, 6, "emergency stop of the robot"},
+                                                                     {8, 8, "safety violation"},
+                                                                     {9, 9, "safety fault"},
+                                                                     {13, 11, "three-position switch stop"}};
+  for (const auto& [safety, bit, name] : stops) {
+    EXPECT_THAT(stop(safety, 1U), testing::StartsWith(name + " (safety")) << "by its number alone";
+    EXPECT_THAT(stop(1, 1U << bit), testing::StartsWith(name + " (safety")) << "by its bit alone";
+  }
+  EXPECT_THAT(stop(42, 1U), HasSubstr("not known here"));
+}
+
+TEST(UrArm, AnInterruptionInAMotionSendsAStop) {
+  ArmBench bench(
+      [](State& s, const std::string& script, int run) { obey(s, script, run, ScriptEnd::kDone, 100000); });
+  JointTrajectory slow = small_arm_move();
+  slow.time = {0.0, 5.0};
+  {
+    const auto clock = make_steady_clock();
+    const TimeLimit over(0.2, *clock);
+    EXPECT_THROW(static_cast<void>(bench.arm.follow(slow)), Interrupted);
+  }
+  EXPECT_TRUE(eventually([&] { return bench.robot.count("def stonestack") == 2; })) << "no stop was sent";
 }
 
 TEST(UrArm, NoPowerNoMotion) {
