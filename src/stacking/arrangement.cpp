@@ -251,12 +251,12 @@ SiteStatus site_in(const Views& views, const Eigen::Vector2d& site) {
         if (!(z > 0.0)) continue;
         const Eigen::Vector3d p_W = view.T_W_C * Eigen::Vector3d(z * deproject(camera, u, v));
         const Eigen::Vector2d beside = p_W.head<2>() - site;
-        if (beside.norm() >= kRadius) continue;
+        if (!(beside.norm() < kRadius)) continue;  // also where it is no number
         if (p_W.z() > kOnTable) {
           above += kStride * kStride * z * z / (camera.fx * camera.fy);
           continue;
         }
-        const Eigen::Vector2i cell = ((beside.array() + kRadius) / kCell).floor().cast<int>();
+        const Eigen::Vector2i cell = ((beside.array() + kRadius) / kCell).floor().cast<int>().min(kCells - 1);
         table[static_cast<std::size_t>(cell.y() * kCells + cell.x())] = true;
       }
     if (above > kSomething) return SiteStatus::kOccupied;

@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "stacking/arrangement.hpp"
 #include "stacking/heard.hpp"
 #include "stacking/hiding_camera.hpp"
@@ -60,6 +62,18 @@ TEST(SiteIn, ViewsThatShowPartOfItEachAreTakenTogether) {
   EXPECT_EQ(site_in({left}, site), SiteStatus::kUnseen);
   EXPECT_EQ(site_in({left, left}, site), SiteStatus::kUnseen) << "the same half twice";
   EXPECT_EQ(site_in({left, right}, site), SiteStatus::kFree);
+}
+
+TEST(SiteIn, DepthsThatAreNoNumbersShowNothing) {
+  const Eigen::Vector2d site(0.7, 0.28);
+  for (const float depth : {std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN(),
+                            std::numeric_limits<float>::max()}) {
+    CameraView view = look_down(site);
+    view.image.camera.cx = 320.0;  // a ray straight down: zero times infinity
+    view.image.camera.cy = 240.0;
+    for (float& z : view.image.z) z = depth;
+    EXPECT_EQ(site_in({view}, site), SiteStatus::kUnseen) << depth;
+  }
 }
 
 struct Started {
@@ -142,7 +156,7 @@ struct HalfCamera : DepthCamera {
   }
 };
 
-TEST(Site, FieldAndSiteAreSeenTurnedWhereHalfOfTheImageIsMissing) {
+TEST(Site, IsSeenTurnedWhereHalfOfTheImageIsMissing) {
   for (const bool right : {false, true}) {
     Started lab({1_stone});
     const Cell real = lab.world->cell();
