@@ -131,10 +131,10 @@ struct FaultRun {
     if (once((base + " delayed").c_str())) world.wait(kDelay);
   }
 
-  [[nodiscard]] Eigen::Vector3d tip() const {
-    return (inner.layout.T_W_R * forward(scene.robot, inner.arm.state().q) * inner.layout.T_F_T)
-        .translation();
+  [[nodiscard]] Pose tool() const {
+    return inner.layout.T_W_R * forward(scene.robot, inner.arm.state().q) * inner.layout.T_F_T;
   }
+  [[nodiscard]] Eigen::Vector3d tip() const { return tool().translation(); }
   [[nodiscard]] Eigen::AlignedBox3d box(std::size_t k, const Pose& T_W_O) const {
     Eigen::AlignedBox3d b;
     for (const auto& v : scene.catalogue.stones[k].scan.vertices) b.extend(T_W_O * v.cast<double>());
@@ -186,7 +186,7 @@ struct FaultRun {
   /// Along the pads of the fingers about it, which no stone can pass; a stone that lies elsewhere along x.
   void slip(double by, bool to_table) {
     const std::size_t k = victim();
-    const Pose T_W_T = inner.layout.T_W_R * forward(scene.robot, inner.arm.state().q) * inner.layout.T_F_T;
+    const Pose T_W_T = tool();
     const bool in_fingers = (box(k, world.truth().T_W_O[k]).center() - T_W_T.translation()).norm() < kHeld;
     shift(in_fingers ? by * T_W_T.linear().col(1) : Eigen::Vector3d(by, 0, 0), to_table);
   }

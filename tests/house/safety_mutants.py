@@ -88,6 +88,12 @@ def compile_programs(build, programs):
     return "" if done.returncode == 0 else "it does not build: " + done.stdout[-1500:]
 
 
+def show_compilation(build, programs):
+    """Builds the tree as it is, which may take minutes, with ninja's progress on stderr."""
+    if subprocess.run(["ninja", "-C", build, *sorted(programs)], stdout=sys.stderr, check=False).returncode:
+        sys.exit("the tree as it is does not build")
+
+
 def verdict(root, build, mutant):
     """killed, or why not. The source is as it was afterwards, the build is not."""
     path = root / mutant["file"]
@@ -104,9 +110,7 @@ def run(root, build, mutants):
     """Number of mutants that are not killed."""
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # the source is restored then, too
     programs = {mutant["program"] for mutant in mutants}
-    problem = compile_programs(build, programs)
-    if problem:
-        sys.exit("the tree as it is: " + problem)
+    show_compilation(build, programs)
     broken = [mutant["tests"] for mutant in mutants if not pass_tests(build, mutant)]
     if broken:
         sys.exit(f"these tests fail on the tree as it is: {broken}")
@@ -115,7 +119,7 @@ def run(root, build, mutants):
         result = verdict(root, build, mutant)
         alive += result != "killed"
         print(f"{mutant['function']:<4} {mutant['side']:<6} {mutant['file']:<44} {result}", flush=True)
-    compile_programs(build, programs)
+    show_compilation(build, programs)
     print(f"{len(mutants) - alive} of {len(mutants)} mutants killed")
     return alive
 
