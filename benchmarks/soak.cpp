@@ -1,5 +1,5 @@
-// Whole runs for hours: does the process grow? Each run has another seed; after each, resident memory, open
-// descriptors and threads are counted.
+// Whole runs for hours: does the process grow? Each run has another seed; after each the caches are emptied
+// (they are bounded, and take tens of runs to fill), and resident memory, descriptors and threads counted.
 #include "soak.hpp"
 
 #include <unistd.h>
@@ -12,6 +12,7 @@
 
 #include "common_options.hpp"
 #include "core/memory.hpp"
+#include "core/recently_used.hpp"
 #include "growth.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
@@ -151,6 +152,7 @@ void soak(SoakOptions& options, Results& results) {
     if (interrupt_noted()) break;
     const double seconds = watch.seconds();
     folder.clear();
+    core::forget_recently_used();
     core::return_free_memory();
     samples.push_back(held_now());
     const Holdings& held = samples.back();
@@ -184,7 +186,8 @@ void add_soak(CLI::App& app) {
                  "Where the record of the run under way lies (default: /tmp)", "DIR");
   options->common.register_draw(*sub);
   sub->footer(
-      "Growth is the median slope over the runs after the first quarter (at least five).\n"
+      "Growth is the median slope over the runs after the first quarter (at least five). What is counted is\n"
+      "what the process holds with its caches emptied: these are bounded.\n"
       "Examples:\n"
       "  stonestack-bench soak --hours 8\n"
       "  stonestack-bench soak --minutes 30 --per-run 2 --sockets");

@@ -9,10 +9,27 @@
 
 namespace stonestack::core {
 
+/// A cache that `forget_recently_used` empties; listed as long as it lives.
+class Forgettable {
+ public:
+  Forgettable(const Forgettable&) = delete;
+  Forgettable& operator=(const Forgettable&) = delete;
+  /// Lets go of what is kept. What somebody else holds can still be found.
+  virtual void forget() = 0;
+
+ protected:
+  Forgettable();
+  virtual ~Forgettable();
+};
+
+/// Empties all caches of the process: what is made again costs time, and nothing else changes. For a count
+/// of what the process holds without them.
+void forget_recently_used();
+
 /// Cache (least recently used) of values that are costly to make, by a key of all that decides them. Keeps
 /// the last `max` that were used, and finds those that somebody still holds. For any thread.
 template <typename T>
-class RecentlyUsed {
+class RecentlyUsed final : public Forgettable {
  public:
   explicit RecentlyUsed(std::size_t max) : max_(max) {}
 
@@ -32,6 +49,12 @@ class RecentlyUsed {
       kept_.pop_back();
     }
     return made;
+  }
+  void forget() override {
+    const std::scoped_lock lock(mutex_);
+    for (const Kept& kept : kept_) released_.push_front({kept.key, kept.value});
+    kept_.clear();
+    std::erase_if(released_, [](const Released& r) { return r.value.expired(); });
   }
 
  private:

@@ -48,45 +48,62 @@ bool PadContact::near(const Pose& T_W_P, const Pose& T_W_O) {
   return !bristles_.empty();
 }
 
+// Velocities, forces and moments are those of the pad's frame P until they have been added up.
 PadLoad PadContact::press(const MovingFrame& pad, const MovingFrame& stone) {
-  PadLoad load;
   const Pose T_P_W = pad.T_W_A.inverse(), T_P_O = T_P_W * stone.T_W_A;
+  const Eigen::Vector3d p_W_P = pad.T_W_A.translation();
+  const Eigen::Vector3d v_P = T_P_W.linear() * (stone.velocity_at(p_W_P) - pad.velocity_at(p_W_P));
+  const Eigen::Vector3d w_P = T_P_W.linear() * (stone.twist.w - pad.twist.w);
+  const Eigen::Vector3d n_O_P = T_P_O.linear().row(2).transpose();  // the pad's normal, in O
+  const double z_P_O = T_P_O.translation().z();
+  const PadOptions options = options_;
+  const double half_length = 0.5 * options.length, half_width = 0.5 * options.width;
+  Eigen::Vector3d force_P = Eigen::Vector3d::Zero(), moment_P = Eigen::Vector3d::Zero();
+  double normal = 0.0;
+  int samples = 0;
   for (auto& bristle : bristles_) {
     const auto& sample = shape_->samples[static_cast<std::size_t>(bristle.sample)];
+    const double depth = -(n_O_P.dot(sample.point) + z_P_O);
+    if (!(depth > 0)) {
+      bristle.active = false;
+      continue;
+    }
     const Eigen::Vector3d p_P = T_P_O * sample.point;
-    const double depth = -p_P.z(), facing = -(T_P_O.linear() * sample.normal).z();
-    const double slack = bristle.active ? kEdge : 0.0;
-    const bool inside = depth > 0 && std::abs(p_P.x()) < 0.5 * options_.length + slack &&
-                        std::abs(p_P.y()) < 0.5 * options_.width + slack && facing > kMinFacing;
-    if (!inside || (!bristle.active && depth > options_.thickness)) {
+    const double slack = bristle.active ? kEdge : 0.0, facing = -n_O_P.dot(sample.normal);
+    if (facing <= kMinFacing || std::abs(p_P.x()) >= half_length + slack ||
+        std::abs(p_P.y()) >= half_width + slack || (!bristle.active && depth > options.thickness)) {
       bristle.active = false;
       continue;
     }
     if (!bristle.active) {
-      bristle = {bristle.sample, true, depth > options_.entry_depth ? depth : 0.0, p_P.head<2>()};
+      bristle = {bristle.sample, true, depth > options.entry_depth ? depth : 0.0, p_P.head<2>()};
     }
-    const double area = sample.area * facing;
-    const Eigen::Vector3d p_W = pad.T_W_A * p_P;
-    const Eigen::Vector3d v_P = T_P_W.linear() * (stone.velocity_at(p_W) - pad.velocity_at(p_W));
-    const double elastic = std::max(0.0, options_.stiffness * (depth - bristle.rest));
+    const Eigen::Vector3d v = v_P + w_P.cross(p_P);
+    const double elastic = std::max(0.0, options.stiffness * (depth - bristle.rest));
     const double pressure =
-        elastic > 0 ? std::max(0.0, elastic - options_.stiffness * options_.damping * v_P.z()) : 0.0;
-    const double limit = options_.friction * pressure;
+        elastic > 0 ? std::max(0.0, elastic - options.stiffness * options.damping * v.z()) : 0.0;
+    const double limit = options.friction * pressure;
     Eigen::Vector2d stretch = p_P.head<2>() - bristle.anchor;
-    if (options_.shear * stretch.norm() > limit) {  // slips: the bristle's base is dragged along
-      stretch *= limit / (options_.shear * stretch.norm());
+    const double shear = options.shear * options.shear * stretch.squaredNorm();
+    if (shear > limit * limit) {  // slips: the bristle's base is dragged along
+      stretch *= limit / std::sqrt(shear);
       bristle.anchor = p_P.head<2>() - stretch;
     }
-    Eigen::Vector2d friction = -options_.shear * (stretch + options_.damping * v_P.head<2>());
-    if (friction.norm() > limit) friction *= limit / friction.norm();
-    const Eigen::Vector3d force =
-        area * (pad.T_W_A.linear() * Eigen::Vector3d(friction.x(), friction.y(), pressure));
-    load.force += force;
-    load.moment += p_W.cross(force);
-    load.normal += area * elastic;
-    ++load.samples;
+    Eigen::Vector2d friction = -options.shear * (stretch + options.damping * v.head<2>());
+    if (friction.squaredNorm() > limit * limit) friction *= limit / friction.norm();
+    const double area = sample.area * facing;
+    const Eigen::Vector3d force(area * friction.x(), area * friction.y(), area * pressure);
+    force_P += force;
+    moment_P += p_P.cross(force);
+    normal += area * elastic;
+    ++samples;
   }
-  touching_ = load.samples > 0;
+  touching_ = samples > 0;
+  PadLoad load;
+  load.force = pad.T_W_A.linear() * force_P;
+  load.moment = pad.T_W_A.linear() * moment_P + p_W_P.cross(load.force);
+  load.normal = normal;
+  load.samples = samples;
   return load;
 }
 

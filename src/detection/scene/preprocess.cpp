@@ -5,6 +5,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numeric>
@@ -82,11 +83,10 @@ struct Window {
     uu += du * du, uv += du * dv, vv += dv * dv, uz += du * dz, vz += dv * dz;
   }
 
-  /// Depth of the fitted plane at the centre, over the centre's own depth. The mean would do for a full
-  /// window; at a rim, where one side is missing, it would draw a slope inwards.
+  /// Depth of the fitted plane at the centre, over the centre's own depth. The mean, which does for a full
+  /// window, would draw a slope inwards at a rim, where one side is missing.
   [[nodiscard]] float centre() const {
     const float mean = z / count;
-    if (count >= 25.0F) return mean;
     const float cu = u / count, cv = v / count;
     const float suu = uu - u * cu, suv = uv - u * cv, svv = vv - v * cv;
     const float suz = uz - u * mean, svz = vz - v * mean;
@@ -96,6 +96,39 @@ struct Window {
   }
 };
 
+/// Up to `kWidth` pixels of a row with the two around each, so that the compiler can take several at once.
+struct RowOfWindows {
+  static constexpr std::size_t kWidth = 64;
+  std::array<std::array<float, kWidth + 4>, 5> near{};  // rows v - 2 to v + 2; zero past the last pixel
+  std::array<float, kWidth> step{};                     // what is farther off is another surface
+  std::array<float, kWidth> count{}, sum{};             // neighbours on the same surface, and their offsets
+
+  /// Sums in the order in which `Window` adds.
+  void add_up() {
+    std::array<float, kWidth> counts{}, sums{};
+    for (const auto& row : near)
+      for (std::size_t du = 0; du < 5; ++du)
+        for (std::size_t k = 0; k < kWidth; ++k) {
+          const float off = row[k + du] - near[2][k + 2];
+          const float one = std::abs(off) < step[k] ? 1.0F : 0.0F;
+          const float part = std::abs(off) < step[k] ? off : 0.0F;
+          counts[k] += one, sums[k] += part;
+        }
+    count = counts, sum = sums;
+  }
+};
+
+Window window_at(const DepthImage& raw, int v, int u, float z, float step) {
+  Window window;
+  for (int dv = -2; dv <= 2; ++dv) {
+    const float* row = &raw.z[static_cast<std::size_t>((v + dv) * raw.camera.width + u - 2)];
+    for (int k = 0; k < 5; ++k)
+      if (std::abs(row[k] - z) < step)
+        window.add(static_cast<float>(k - 2), static_cast<float>(dv), row[k] - z);
+  }
+  return window;
+}
+
 }  // namespace
 
 DepthImage smooth_depth(const DepthImage& raw, const DetectionOptions& options) {
@@ -103,20 +136,28 @@ DepthImage smooth_depth(const DepthImage& raw, const DetectionOptions& options) 
   DepthImage out{raw.camera, std::vector<float>(raw.z.size(), 0.0F)};
   const auto in_range = [&](float z) { return z >= options.nearest && z <= options.farthest; };
   tbb::parallel_for(tbb::blocked_range<int>(2, std::max(2, height - 2), 16), [&](const auto& rows) {
+    RowOfWindows part;
+    const int most = static_cast<int>(RowOfWindows::kWidth);
     for (int v = rows.begin(); v < rows.end(); ++v)
-      for (int u = 2; u < width - 2; ++u) {
-        const float z = raw.at(u, v);
-        if (!in_range(z)) continue;
-        const auto step = static_cast<float>(depth_step(z));
-        Window window;
-        for (int dv = -2; dv <= 2; ++dv) {
-          const float* row = &raw.z[static_cast<std::size_t>((v + dv) * width + u - 2)];
-          for (int k = 0; k < 5; ++k)
-            if (std::abs(row[k] - z) < step)
-              window.add(static_cast<float>(k - 2), static_cast<float>(dv), row[k] - z);
+      for (int u = 2; u < width - 2; u += most) {
+        const int many = std::min(most, width - 2 - u);
+        part.near = {};
+        for (int dv = -2; dv <= 2; ++dv)
+          std::copy_n(&raw.z[static_cast<std::size_t>((v + dv) * width + u - 2)], many + 4,
+                      part.near[static_cast<std::size_t>(dv + 2)].begin());
+        const float* z = &raw.z[static_cast<std::size_t>(v * width + u)];
+        for (int k = 0; k < most; ++k)  // of a pixel out of range no neighbour is taken
+          part.step[static_cast<std::size_t>(k)] =
+              k < many && in_range(z[k]) ? static_cast<float>(depth_step(z[k])) : -1.0F;
+        part.add_up();
+        for (int k = 0; k < many; ++k) {
+          const auto i = static_cast<std::size_t>(k);
+          float& smooth = out.z[static_cast<std::size_t>(v * width + u + k)];
+          if (part.count[i] >= 25.0F)
+            smooth = z[k] + part.sum[i] / part.count[i];
+          else if (part.count[i] >= kFewestNeighbours)
+            smooth = z[k] + window_at(raw, v, u + k, z[k], part.step[i]).centre();
         }
-        if (window.count >= kFewestNeighbours)
-          out.z[static_cast<std::size_t>(v * width + u)] = z + window.centre();
       }
   });
   return out;
