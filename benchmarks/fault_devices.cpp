@@ -286,7 +286,9 @@ struct FaultyArm : Arm {
     if (run.once("stops without notice")) return told(run.inner.arm.follow(half_of(t)));
     return std::nullopt;
   }
-  MotionResult follow(const JointTrajectory& t) override {
+  MotionResult follow(const JointTrajectory& t) override { return move(t, false); }
+  MotionResult carry(const JointTrajectory& t) override { return move(t, true); }
+  MotionResult move(const JointTrajectory& t, bool carries) {
     const std::scoped_lock lock(run.mutex);
     if (run.phase == FaultPhase::kClose)
       run.enter(FaultPhase::kLift);
@@ -297,7 +299,7 @@ struct FaultyArm : Arm {
     else if (run.phase == FaultPhase::kRetreat)
       run.enter(FaultPhase::kVerify);
     if (auto r = faulty(t)) return *r;
-    return told(run.inner.arm.follow(t));
+    return told(carries ? run.inner.arm.carry(t) : run.inner.arm.follow(t));
   }
   MotionResult follow_guarded(const GuardedMotion& m) override {
     const std::scoped_lock lock(run.mutex);

@@ -37,7 +37,8 @@ struct SoakOptions {
 
 /// Resources of the process.
 struct Holdings {
-  double resident_mb = 0.0;
+  double heap_mb = 0.0;      ///< in use
+  double resident_mb = 0.0;  ///< with what was freed between that and cannot be returned
   int descriptors = 0;
   int threads = 0;
 };
@@ -50,7 +51,8 @@ Holdings held_now() {
   std::ifstream statm("/proc/self/statm");
   double total = 0.0, resident = 0.0;
   statm >> total >> resident;
-  return {resident * static_cast<double>(::sysconf(_SC_PAGESIZE)) / 1e6, entries_of("/proc/self/fd"),
+  return {static_cast<double>(core::heap_in_use()) / 1e6,
+          resident * static_cast<double>(::sysconf(_SC_PAGESIZE)) / 1e6, entries_of("/proc/self/fd"),
           entries_of("/proc/self/task")};
 }
 
@@ -61,6 +63,7 @@ struct Quantity {
   double (*of)(const Holdings&);
 };
 const Quantity kQuantities[] = {
+    {"heap_mb", 0.1, [](const Holdings& held) { return held.heap_mb; }},
     {"resident_mb", 0.1, [](const Holdings& held) { return held.resident_mb; }},
     {"descriptors", 0.01, [](const Holdings& held) { return static_cast<double>(held.descriptors); }},
     {"threads", 0.01, [](const Holdings& held) { return static_cast<double>(held.threads); }},
@@ -133,6 +136,7 @@ void soak(SoakOptions& options, Results& results) {
                          {"seed"},
                          {"height"},
                          {"seconds", 1},
+                         {"heap_mb", 2},
                          {"resident_mb", 1},
                          {"descriptors"},
                          {"threads"}});
@@ -156,7 +160,7 @@ void soak(SoakOptions& options, Results& results) {
     core::return_free_memory();
     samples.push_back(held_now());
     const Holdings& held = samples.back();
-    results.row({k + 1, order.cell ? "sockets" : "in process", order.run.seed, height, seconds,
+    results.row({k + 1, order.cell ? "sockets" : "in process", order.run.seed, height, seconds, held.heap_mb,
                  held.resident_mb, held.descriptors, held.threads});
   }
   report_growth(samples, results);

@@ -12,4 +12,13 @@ void return_free_memory() {
 #endif
 }
 
+std::size_t heap_in_use() {
+#ifdef __GLIBC__
+  const struct mallinfo2 heap = mallinfo2();
+  return heap.uordblks + heap.hblkhd;
+#else
+  return 0;
+#endif
+}
+
 }  // namespace stonestack::core

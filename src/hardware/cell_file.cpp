@@ -7,6 +7,8 @@
 #include "core/yaml.hpp"
 #include "hardware/cell_config.hpp"
 #include "hardware/constants.hpp"
+#include "hardware/hold_watch.hpp"
+#include "hardware/ur/dashboard_client.hpp"
 #include "kinematics/gripper_file.hpp"
 #include "protocol/primary_wire.hpp"
 #include "stonestack/core/error.hpp"
@@ -328,6 +330,23 @@ std::unique_ptr<DepthCamera> make_camera(const CellConfig& config) {
   }
 }
 
+namespace {
+
+/// The address may have gone to another arm, whose calibration and safety configuration are others.
+void require_same_arm(const UrArmOptions& arm) {
+  if (arm.serial.empty()) return;
+  DashboardClient dashboard({arm.address, arm.dashboard_port});
+  const std::string serial = dashboard.serial_number().value_or("");
+  if (serial == arm.serial) return;
+  throw DeviceError("UR arm at " + arm.address,
+                    concat(serial.empty() ? std::string("its controller does not say its serial number")
+                                          : "has the serial number " + serial,
+                           ", and the cell's arm.serial is ", arm.serial),
+                    "check arm.address, or run `stonestack setup` again for this arm");
+}
+
+}  // namespace
+
 struct HardwareCell::Devices {
   CellLayout layout;
   std::unique_ptr<Clock> clock = make_steady_clock();
@@ -335,6 +354,7 @@ struct HardwareCell::Devices {
   std::unique_ptr<ForceTorqueSensor> force_torque;
   UrArm arm;
   std::unique_ptr<RobotiqGripper> gripper;
+  HoldWatch watched_arm;
   std::unique_ptr<DepthCamera> camera;
 
   explicit Devices(const CellConfig& config)
@@ -343,11 +363,13 @@ struct HardwareCell::Devices {
         force_torque(make_force_torque(config)),
         arm(robot, config.arm, layout.T_W_R, layout.T_F_T, force_torque.get()),
         gripper(make_gripper(config)),
+        watched_arm(arm, *gripper),
         camera(make_camera(config)) {}
 };
 
 HardwareCell::HardwareCell(const CellConfig& config) {
   require_arm_address(config);
+  require_same_arm(config.arm);
   devices_ = std::make_unique<Devices>(config);
 }
 
@@ -357,7 +379,7 @@ HardwareCell::~HardwareCell() = default;
 
 Cell HardwareCell::cell() {
   auto& d = *devices_;
-  return {d.arm, *d.gripper, *d.force_torque, *d.camera, *d.clock, d.layout};
+  return {d.watched_arm, *d.gripper, *d.force_torque, *d.camera, *d.clock, d.layout};
 }
 
 bool HardwareCell::activates_gripper() {

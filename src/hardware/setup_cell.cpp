@@ -105,6 +105,13 @@ std::string robot_text(const std::string& robot, const ControllerDescription& co
   return text;
 }
 
+/// What can stand in a file between quotes.
+bool is_serial(const std::string& text) {
+  return !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '-' || c == '_';
+  });
+}
+
 bool is_nominal(const RobotModel& robot, const std::array<std::array<double, 4>, 6>& dh) {
   const std::array<kinematics::DhRow, 6> drawn = kinematics::nominal_calibration(robot).dh;
   for (std::size_t j = 0; j < 6; ++j) {
@@ -124,6 +131,8 @@ std::string cell_text(const CellSetup& setup, const ControllerDescription& contr
                             "FILE`. Nothing moves without "
                             "--execute.\nrobot: ",
                             robot, "\nhand: ", setup.gripper, "\narm:\n  address: ", setup.arm, "\n");
+  if (is_serial(controller.serial))
+    text += concat("  serial: \"", controller.serial, "\"  # of the arm; nothing moves another one\n");
   if (!controller.safety_checksum.empty())
     text += concat("  safety_checksum: ", controller.safety_checksum,
                    "  # of the safety configuration; nothing moves with another\n");
@@ -222,6 +231,7 @@ ControllerDescription describe_controller(const CellConfig& config) {
   found.polyscope = to_string(version);
   found.e_series = !version.is_cb3();
   found.model = dashboard.robot_model().value_or("");
+  found.serial = dashboard.serial_number().value_or("");
   found.state = {dashboard.robot_mode(), dashboard.safety(), dashboard.is_program_running()};
   found.remote_control = dashboard.is_in_remote_control();
   ask_rtde(config, found);
@@ -297,6 +307,7 @@ std::string new_cell_json(const NewCell& cell, const ControllerDescription& cont
     json["robot_file"] = cell.robot_file;
     json["calibration_m"] = cell.calibration;
   }
+  if (!controller.serial.empty()) json["serial"] = controller.serial;
   if (!controller.safety_checksum.empty()) json["safety_checksum"] = controller.safety_checksum;
   if (controller.payload) json["payload_kg"] = *controller.payload;
   if (controller.p_F_payload)

@@ -3,6 +3,7 @@
 
 #include "core/constants.hpp"
 #include "hardware/guard_readings.hpp"
+#include "hardware/hold_watch.hpp"
 #include "kinematics/inverse.hpp"
 #include "kinematics/jacobian.hpp"
 #include "simulation/simulated_devices.hpp"
@@ -17,6 +18,8 @@ constexpr double kArmTick = 0.010;        // s, control and force samples
 constexpr double kStartTolerance = 0.01;  // rad, hardware/arm.hpp
 constexpr int kFirstLink = 2;             // links below the upper arm stand on the table
 constexpr int kTicksPerCheck = 5;         // links are compared with table and stones every 50 ms
+constexpr int kTicksPerHold = 10;         // ticks of a carry between questions to the gripper
+constexpr double kStopTime = 0.2;         // s from full speed to rest once it has lost the stone
 constexpr int kStartSamples = 10;         // whose mean is a guarded motion's start value
 constexpr double kLinkShift = 0.0003;  // m, one sigma and axis: ratio of the two errors of a link, which are
 constexpr double kLinkTurn = 0.0005;   // rad     scaled together; of the size of factory calibrations
@@ -211,6 +214,12 @@ MotionResult SimulatedArm::follow(const JointTrajectory& trajectory) {
   return result;
 }
 
+MotionResult SimulatedArm::carry(const JointTrajectory& trajectory) {
+  MotionResult result = move(trajectory, nullptr, gripper_state_);
+  keeper_->changed(world_->time());
+  return result;
+}
+
 MotionResult SimulatedArm::follow_guarded(const GuardedMotion& motion) {
   require(motion.threshold > 0 && std::abs(motion.n_W_direction.norm() - 1) < 1e-6,
           "a guard needs a positive threshold and a unit direction, got ", motion.threshold, " N and length ",
@@ -261,7 +270,8 @@ double SimulatedArm::resistance(const GuardedMotion& guard) {
   return -guard.n_W_direction.dot(R_W_F * force_torque_->read().force);
 }
 
-MotionResult SimulatedArm::move(const JointTrajectory& trajectory, const GuardedMotion* guard) {
+MotionResult SimulatedArm::move(const JointTrajectory& trajectory, const GuardedMotion* guard,
+                                const std::function<GripperState()>& gripper) {
   using Status = MotionResult::Status;
   if (auto reason = refusal(trajectory); !reason.empty()) return {Status::kRefused, q_, 0.0, reason};
   double start_force = 0.0, force = 0.0;
@@ -277,18 +287,24 @@ MotionResult SimulatedArm::move(const JointTrajectory& trajectory, const Guarded
   };
   int above = 0, tick = 0;
   GuardReadings readings;
-  for (double t = 0; t < duration;) {
+  hardware::HoldJudge hold;
+  bool dropped = false;
+  double speed = 1.0;  // share of the planned one: less once the arm slows down to a stop
+  for (double t = 0; t < duration && speed > 0;) {
     throw_if_interrupted();
-    const double chunk = std::min(kArmTick, duration - t);
+    const double chunk = std::min(kArmTick, (duration - t) / speed);
     const auto path = [&](double s) {
-      jitter_ = old_jitter + smooth((t + s) / duration) * (new_jitter - old_jitter);
+      const double at = t + speed * s;
+      jitter_ = old_jitter + smooth(at / duration) * (new_jitter - old_jitter);
       GripperPose gripper_pose = world_->gripper_pose();
-      gripper_pose.T_W_T = tool_at(backlash_.output(reported(t + s) + jitter_));
+      gripper_pose.T_W_T = tool_at(backlash_.output(reported(at) + jitter_));
       return gripper_pose;
     };
     world_->set_compliance(tool_compliance(mounting_, q_));
     const Progress progress = world_->advance(chunk, path);
-    t += progress.seconds;
+    t += speed * progress.seconds;
+    if (gripper && !dropped && tick % kTicksPerHold == 0) dropped = hold.lost(gripper());
+    if (dropped) speed -= chunk / kStopTime;
     q_ = reported(t);
     backlash_.arrive(q_ + jitter_);
     keeper_->changing(world_->time());
@@ -309,6 +325,7 @@ MotionResult SimulatedArm::move(const JointTrajectory& trajectory, const Guarded
   if (guard)
     return {Status::kNoContact, q_, force, "no contact up to the end of the motion",
             readings.mean_of_second_half()};
+  if (dropped) return {Status::kDropped, q_, 0.0, hardware::kDroppedReason};
   return {Status::kDone, q_, 0.0, {}};
 }
 

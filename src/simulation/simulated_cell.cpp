@@ -97,7 +97,9 @@ struct SimulatedCell::Parts {
         arm(world, robot, mounting, force_torque, keeper, options, ready_joints(robot, layout), layout.T_W_R),
         gripper(world, keeper),
         camera(world, stones, mounting, options),
-        shared(world, mounting, robot, stones, options) {}
+        shared(world, mounting, robot, stones, options) {
+    arm.set_gripper([this] { return gripper.state(); });
+  }
 
   /// Names of what lies in the cell.
   [[nodiscard]] json names() const {

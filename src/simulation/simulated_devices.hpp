@@ -119,8 +119,11 @@ class SimulatedArm final : public Arm {
                const Joints& q, const Pose& T_W_R_assumed);
   [[nodiscard]] ArmState state() override;
   [[nodiscard]] MotionResult follow(const JointTrajectory& trajectory) override;
+  [[nodiscard]] MotionResult carry(const JointTrajectory& trajectory) override;
   [[nodiscard]] MotionResult follow_guarded(const GuardedMotion& motion) override;
   void stop() override {}  // commands return at rest
+  /// State that the gripper reports: carries end once it has lost what it holds.
+  void set_gripper(const std::function<GripperState()>& state) { gripper_state_ = state; }
   void set_payload(double mass, const Eigen::Vector3d& p_F_com) override;
   /// Acknowledges a protective stop, as a person does at the pendant.
   void unlock() { stop_reason_.clear(); }
@@ -135,7 +138,9 @@ class SimulatedArm final : public Arm {
   [[nodiscard]] Pose tool_at(const Joints& output) const;
   [[nodiscard]] std::string refusal(const JointTrajectory& trajectory) const;
   [[nodiscard]] std::string overspeed(const Joints& qd, double t) const;
-  [[nodiscard]] MotionResult move(const JointTrajectory& trajectory, const GuardedMotion* guard);
+  /// `gripper`, where it is given, is asked for as long as it should hold something.
+  [[nodiscard]] MotionResult move(const JointTrajectory& trajectory, const GuardedMotion* guard,
+                                  const std::function<GripperState()>& gripper = {});
   [[nodiscard]] double resistance(const GuardedMotion& guard);
 
   TrueWorld* world_;
@@ -151,6 +156,7 @@ class SimulatedArm final : public Arm {
   Joints jitter_ = Joints::Zero();  // rad, of the motion that ended last
   double payload_ = 0.0;
   std::string stop_reason_;
+  std::function<GripperState()> gripper_state_;
 };
 
 /// Fingers with a drive that pushes until its force is reached and then holds its place (worm gear). Three

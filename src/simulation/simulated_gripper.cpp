@@ -12,6 +12,7 @@ constexpr double kGripperTick = 0.002;  // s
 constexpr double kStalled = 0.15;       // s without motion until the drives report rest
 constexpr double kDeadline = 20.0;      // s
 constexpr double kSpread = 1.0;         // s, for fingers B and C to draw together or apart; design choice
+constexpr double kClosed = 5e-4;        // m, of the opening
 constexpr double kPositioned = 5e-7;    // m a tick: slower is rest; the creep towards the force is faster
 
 }  // namespace
@@ -25,6 +26,7 @@ GripperState SimulatedGripper::state() {
   const auto& drives = world_->finger_drives();
   state.object = object_ && drives &&
                  std::any_of(drives->begin(), drives->end(), [](const auto& d) { return d.holding; });
+  state.moving = object_ && !state.object && state.opening > kClosed;  // closing on
   return state;
 }
 

@@ -126,7 +126,12 @@ NextStep choose_with_motion(Workcell& w, StateWriter& states, Known& known) {
   }
 }
 
-/// The first observation: at the site, in the field, or with `views` from where the arm stands.
+bool is_empty(const WorldEstimate& world) {
+  return world.loose.empty() && world.stack.empty() && world.site != SiteStatus::kOccupied;
+}
+
+/// The first observation: at the site, in the field, or with `views` from where the arm stands. A field that
+/// seems empty is observed once more: a stone that was moved between two views is in neither's place.
 Known observe_first(Workcell& w, const ResumeWriter& resume, std::shared_ptr<const Views> views = nullptr) {
   Expectation at_first;
   at_first.first = true;
@@ -135,6 +140,9 @@ Known observe_first(Workcell& w, const ResumeWriter& resume, std::shared_ptr<con
   if (w.add_stone)
     for (const StoneIndex stone : first_stones(w.models.shapes.size())) empty.awaited.insert(stone);
   at_first.friction = empty.friction;
+  Known known = observe_and_learn(w, at_first, empty, resume);
+  if (!is_empty(known.world) || at_first.views) return known;
+  log_info("no stone was seen: the field is observed once more");
   return observe_and_learn(w, at_first, empty, resume);
 }
 

@@ -72,7 +72,7 @@ ArmState arm_state_of(const json& j) {
 MotionResult motion_result_of(const json& j) {
   MotionResult r;
   const int status = j.at(0).get<int>();
-  require(status >= 0 && status <= static_cast<int>(MotionResult::Status::kLost), "no status is ", status);
+  require(status >= 0 && status <= static_cast<int>(MotionResult::Status::kDropped), "no status is ", status);
   r.status = static_cast<MotionResult::Status>(status);
   r.q = vector_of<Joints>(j.at(1));
   r.force = number_of(j.at(2));
@@ -258,6 +258,9 @@ struct TapedDevices::Devices {
     }
     MotionResult follow(const JointTrajectory& t) override {
       return motion_result_of(tape.answer("follow", [&] { return encode(arm->follow(t)); }));
+    }
+    MotionResult carry(const JointTrajectory& t) override {
+      return motion_result_of(tape.answer("carry", [&] { return encode(arm->carry(t)); }));
     }
     MotionResult follow_guarded(const GuardedMotion& motion) override {
       return motion_result_of(

@@ -55,7 +55,10 @@ ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const 
         }
         break;
       case PlanStep::Kind::kRelease:
-        if (loose) now = executor.clear_table(step, step.opening);
+        if (loose)
+          now = executor.clear_table(step, step.opening);
+        else if (lowered && !reports_object_at_rest(cell))
+          now = executor.clear_table_empty(step, step.opening);
         if (now.status != Status::kReleased) break;
         loose = true;
         executor.open(step);
@@ -70,7 +73,7 @@ ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const 
         break;
       case PlanStep::Kind::kApproach:
         if (step.threshold <= 0) {
-          now = executor.follow(step);
+          now = lift != nullptr && !loose ? executor.carry(*lift, step) : executor.follow(step);
           break;
         }
         if (leads_to_grasp(plan, step)) {
@@ -92,7 +95,7 @@ ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const 
         lift = &step;
         break;
       case PlanStep::Kind::kTransit:
-        now = executor.follow(step);
+        now = lift != nullptr && !loose ? executor.carry(*lift, step) : executor.follow(step);
         break;
     }
     if (now.status != Status::kReleased) return now;

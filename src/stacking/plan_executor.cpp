@@ -22,6 +22,7 @@ namespace stonestack::stacking {
 namespace {
 
 constexpr double kRetreatSpeed = 0.05;  // m/s: slow, the fingers leave the stone
+constexpr double kSpeedBack = 0.25;     // m/s, from where a stone was lost
 constexpr double kStrokeSpeed = 0.06;   // m/s, of the fingers when the plan names none
 constexpr double kFingerForce = 60.0;   // N, when the plan names none
 // A stone slips towards the finger tips by up to 2 mm while it is carried, so the gripper ends lower than
@@ -29,6 +30,7 @@ constexpr double kFingerForce = 60.0;   // N, when the plan names none
 // table.
 constexpr double kNearTable = 0.010;   // m, of the tool's tip
 constexpr double kBackOff = 0.004;     // m
+constexpr double kMinUpright = 0.3;    // cosine of the gripper's inclination, at least, for a way back
 constexpr double kFarAbove = 1.0;      // m above the table: no finger is there
 constexpr double kTableReach = 0.006;  // m above the end of an approach: what is met lower is the table
 constexpr std::array kSharesBack{1.0, 0.75, 0.5, 0.25};  // of the way back that was asked for
@@ -65,6 +67,26 @@ ExecutionResult PlanExecutor::follow(const PlanStep& step) const {
   const MotionResult moved = cell.arm.follow(step.trajectory);
   if (moved.status == MotionResult::Status::kDone) return {};
   return {Status::kStopped, moved.force, step.name + ": " + moved.reason};
+}
+
+ExecutionResult PlanExecutor::carry(const PlanStep& lift, const PlanStep& step) const {
+  const MotionResult moved = cell.arm.carry(step.trajectory);
+  if (moved.status == MotionResult::Status::kDone) return {};
+  if (moved.status != MotionResult::Status::kDropped)
+    return {Status::kStopped, moved.force, step.name + ": " + moved.reason};
+  const double weight = wrist.feel().weight, expected = kGravity * mass;
+  const bool empty = weight < max_in_empty_gripper(expected);
+  record(journal, CarriedMeasured{weight, expected, 0.0, 0.0, !empty});
+  if (empty) set_payload(false);
+  record(journal, StepBegun{concat("go back with ", stone.name, ", which the gripper no longer reports")});
+  PlanStep back = step;
+  back.trajectory = timed(way_back(step.trajectory, cell.arm.state().q), kSpeedBack);
+  if (const auto home = follow(back); home.status == Status::kStopped) return home;
+  if (const auto home = go_home({&lift + 1, &step}); home.status == Status::kStopped) return home;
+  const std::string why = concat(moved.reason, ", and the wrist measures ", weight, " N");
+  if (!empty) return put_back(lift, "uncertain in transit: " + why);
+  const ExecutionResult opened = release("lost in transit: " + why);
+  return {Status::kLost, 0.0, opened.reason};
 }
 
 ExecutionResult PlanExecutor::lift(const PlanStep& step) const {
@@ -379,6 +401,14 @@ ExecutionResult PlanExecutor::clear_table(const PlanStep& step, double opening) 
   const double tip_z = furthest_tip(scene.gripper, held_opening(), opening);
   if ((cell.layout.T_W_R * T_R_T * Eigen::Vector3d(0, 0, tip_z)).z() > kNearTable) return {};
   return go_back(step, kBackOff);
+}
+
+ExecutionResult PlanExecutor::clear_table_empty(const PlanStep& step, double opening) const {
+  const Pose T_W_T = cell.layout.T_W_R * forward(scene.robot, cell.arm.state().q) * scene.T_F_T;
+  const double tip_z = furthest_tip(scene.gripper, 0.0, opening);
+  const double upright = std::max(kMinUpright, -T_W_T.linear()(2, 2));
+  const double low = std::min((T_W_T * Eigen::Vector3d(0, 0, tip_z)).z(), lowest_finger(opening));
+  return low > kNearTable ? ExecutionResult{} : go_back(step, (kNearTable - low) / upright);
 }
 
 ExecutionResult PlanExecutor::open_wide(const PlanStep& step) const {

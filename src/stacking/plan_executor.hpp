@@ -30,6 +30,10 @@ struct PlanExecutor {
   /// @return why it refuses that: too heavy; empty: it does not. An arm that does not answer ends the run
   [[nodiscard]] std::string take_payload() const;
   [[nodiscard]] ExecutionResult follow(const PlanStep& step) const;
+  /// Follows a step with the stone in the gripper. A stone that is lost on the way stops the arm there; it
+  /// goes back along its way to the end of `lift`, where what is left in the gripper is let go of or put
+  /// back.
+  [[nodiscard]] ExecutionResult carry(const PlanStep& lift, const PlanStep& step) const;
   /// Lifts to where the plan does, straight from where the arm stands: fingers that felt the table went back
   /// from where the plan grasps.
   [[nodiscard]] ExecutionResult lift(const PlanStep& step) const;
@@ -100,6 +104,8 @@ struct PlanExecutor {
   /// Opens fully, unless the gripper is so inclined that a finger would reach the table.
   [[nodiscard]] ExecutionResult open_wide(const PlanStep& step) const;
   [[nodiscard]] ExecutionResult clear_table(const PlanStep& step, double opening) const;
+  /// Goes back until fingers that have closed on nothing can open: those of an inclined gripper sweep down.
+  [[nodiscard]] ExecutionResult clear_table_empty(const PlanStep& step, double opening) const;
   [[nodiscard]] ExecutionResult go_back(const PlanStep& step, double distance) const;
   /// Moves the closed gripper straight on as far as the step does, from where the arm stands, until more
   /// resists than the step's threshold; `resisted` is true then.

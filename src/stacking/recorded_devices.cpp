@@ -124,6 +124,11 @@ MotionResult RecordedDevices::RecordedArm::follow(const JointTrajectory& traject
   return end_motion(trajectory, begin, arm_.follow(trajectory));
 }
 
+MotionResult RecordedDevices::RecordedArm::carry(const JointTrajectory& trajectory) {
+  const double begin = recording_.clock.now();
+  return end_motion(trajectory, begin, arm_.carry(trajectory));
+}
+
 MotionResult RecordedDevices::RecordedArm::follow_guarded(const GuardedMotion& motion) {
   const double begin = recording_.clock.now();
   return end_motion(motion.trajectory, begin, arm_.follow_guarded(motion));

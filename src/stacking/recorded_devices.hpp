@@ -33,6 +33,7 @@ class RecordedDevices {
     RecordedArm(Arm& arm, Recording& recording) : arm_(arm), recording_(recording) {}
     [[nodiscard]] ArmState state() override;
     [[nodiscard]] MotionResult follow(const JointTrajectory& trajectory) override;
+    [[nodiscard]] MotionResult carry(const JointTrajectory& trajectory) override;
     [[nodiscard]] MotionResult follow_guarded(const GuardedMotion& motion) override;
     void stop() override { arm_.stop(); }
     void set_payload(double mass, const Eigen::Vector3d& p_F_com) override;

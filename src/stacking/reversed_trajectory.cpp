@@ -1,8 +1,14 @@
 #include "stacking/reversed_trajectory.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace stonestack::stacking {
+namespace {
+
+constexpr double kWayStep = 0.02;  // s: at 1 rad/s a joint turns by 0.02 rad
+
+}  // namespace
 
 JointTrajectory reversed(const JointTrajectory& trajectory) {
   JointTrajectory back = trajectory;
@@ -13,6 +19,19 @@ JointTrajectory reversed(const JointTrajectory& trajectory) {
     back.qd[k] = -back.qd[k];
   }
   return back;
+}
+
+JointPath way_back(const JointTrajectory& trajectory, const Joints& q) {
+  JointPath way;
+  double nearest = 0.0;
+  for (double t = 0.0; t <= trajectory.duration(); t += kWayStep) {
+    way.push_back(sample(trajectory, t).q);
+    if ((way.back() - q).norm() < (sample(trajectory, nearest).q - q).norm()) nearest = t;
+  }
+  way.resize(static_cast<std::size_t>(std::lround(nearest / kWayStep)) + 1);
+  way.push_back(q);
+  std::reverse(way.begin(), way.end());
+  return way;
 }
 
 }  // namespace stonestack::stacking

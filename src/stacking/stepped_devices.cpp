@@ -49,6 +49,11 @@ MotionResult SteppedDevices::SteppedArm::follow(const JointTrajectory& trajector
   return arm_.follow(trajectory);
 }
 
+MotionResult SteppedDevices::SteppedArm::carry(const JointTrajectory& trajectory) {
+  asking_.about(trajectory);
+  return arm_.carry(trajectory);
+}
+
 MotionResult SteppedDevices::SteppedArm::follow_guarded(const GuardedMotion& motion) {
   asking_.about(motion.trajectory);
   return arm_.follow_guarded(motion);

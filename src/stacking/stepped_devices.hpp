@@ -29,6 +29,7 @@ class SteppedDevices {
     SteppedArm(Arm& arm, const Asking& asking) : arm_(arm), asking_(asking) {}
     [[nodiscard]] ArmState state() override { return arm_.state(); }
     [[nodiscard]] MotionResult follow(const JointTrajectory& trajectory) override;
+    [[nodiscard]] MotionResult carry(const JointTrajectory& trajectory) override;
     [[nodiscard]] MotionResult follow_guarded(const GuardedMotion& motion) override;
     void stop() override { arm_.stop(); }
     void set_payload(double mass, const Eigen::Vector3d& p_F_com) override {

@@ -13,11 +13,12 @@ TEST_F(BenchCommand, SoakCountsWhatTheProcessHoldsAfterEachRun) {
   ASSERT_EQ(rows.size(), 2U);
   EXPECT_EQ(rows[1]["seed"], 6);
   EXPECT_EQ(rows[1]["height"], 1);
+  EXPECT_GT(rows[1]["heap_mb"].get<double>(), 1.0);
   EXPECT_GT(rows[1]["resident_mb"].get<double>(), 10.0);
   EXPECT_GE(rows[1]["descriptors"].get<int>(), 3);
   EXPECT_GE(rows[1]["threads"].get<int>(), 1);
   const json growth = rows_of(done.data(), "growth after the warm-up");
-  ASSERT_EQ(growth.size(), 3U);
+  ASSERT_EQ(growth.size(), 4U);
   for (const json& row : growth) EXPECT_EQ(row["verdict"], "too few runs");
   const auto scratch = std::distance(fs::directory_iterator(folder_), fs::directory_iterator());
   EXPECT_EQ(scratch, 1) << "beside the messages nothing is left";

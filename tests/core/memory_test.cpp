@@ -34,5 +34,14 @@ TEST(Memory, ReturnsWhatThreadsHaveFreed) {
   EXPECT_LT(test::resident_megabytes(), before - 30.0) << "72 MB were freed";
 }
 
+TEST(Memory, CountsWhatEachThreadHasInUse) {
+  if (test::kSanitizerAllocates) GTEST_SKIP() << "a sanitizer has a heap of its own";
+  const std::size_t before = heap_in_use();
+  std::vector<std::unique_ptr<char[]>> kept;
+  std::thread([&kept] { kept = leave_holes(); }).join();
+  const auto more = static_cast<double>(heap_in_use() - before);
+  EXPECT_NEAR(more, 200 * 10000, 100000) << "not the 1,800 blocks that were freed";
+}
+
 }  // namespace
 }  // namespace stonestack::core

@@ -113,6 +113,40 @@ TEST_F(SetUpCell, TheSafetyConfigurationIsNoted) {
   EXPECT_THAT(new_cell_json(without, silent), testing::Not(HasSubstr("safety_checksum")));
 }
 
+TEST_F(SetUpCell, TheArmIsKnownByItsSerialNumber) {
+  const ControllerDescription controller = described("ur10", "3.15.8.106339", 3.3);
+  EXPECT_EQ(controller.serial, UrServerOptions().serial);
+  const NewCell made = write_new_cell(order("lab.yaml"), controller);
+  EXPECT_EQ(read_cell_file(made.path).arm.serial, controller.serial);
+  EXPECT_THAT(new_cell_json(made, controller), HasSubstr("\"serial\": \"" + controller.serial + "\""));
+  const ControllerDescription silent = described("ur10", "3.10.0.1", 3.3);
+  EXPECT_EQ(silent.serial, "") << "before PolyScope 3.12";
+  ControllerDescription odd = controller;
+  odd.serial = "1\"\nrobot: ur3";
+  EXPECT_EQ(read_cell_file(write_new_cell(order("odd.yaml"), odd).path).arm.serial, "");
+}
+
+TEST_F(SetUpCell, AnotherArmAtTheAddressIsNotConnectedTo) {
+  UrServerOptions options;
+  options.serial = "2014301234";
+  UrControllerServer server(options, read_robot("ur10"), plant_);
+  server.start();
+  const auto problem_with = [&](const std::string& serial) {
+    CellConfig config;
+    config.arm.address = "127.0.0.1";
+    config.arm.dashboard_port = server.ports().dashboard;
+    config.arm.rtde_port = 1;  // nothing listens there
+    config.arm.rtde.attempts = 1;
+    config.force_torque.link = "serial";
+    config.force_torque.device = "/dev/nothing";
+    config.arm.serial = serial;
+    return problem([&] { const HardwareCell cell(config); });
+  };
+  EXPECT_THAT(problem_with("2099999999"),
+              testing::AllOf(HasSubstr("serial number 2014301234"), HasSubstr("arm.serial is 2099999999")));
+  EXPECT_THAT(problem_with("2014301234"), testing::Not(HasSubstr("arm.serial"))) << "the next device fails";
+}
+
 TEST_F(SetUpCell, ACalibratedArmGetsARobotFileBesideTheCell) {
   ControllerDescription controller = described("ur10", "3.15.8.106339", 3.3);
   (*controller.dh)[1][2] -= 0.0012;  // upper arm

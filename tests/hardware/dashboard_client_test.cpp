@@ -64,6 +64,7 @@ TEST(DashboardClient, Cb3) {
                               {"safetymode", "Safetymode: NORMAL\r\n"},
                               {"running", "Program running: false\n"},
                               {"get robot model", "UR10\n"},
+                              {"get serial number", "2014301234\n"},
                               {"power on", "Powering on\n"},
                               {"power off", "Powering off\n"},
                               {"brake release", "Brake releasing\n"},
@@ -78,6 +79,7 @@ TEST(DashboardClient, Cb3) {
   EXPECT_EQ(client.safety(), "NORMAL");
   EXPECT_FALSE(client.is_in_remote_control()) << "a CB3 has no remote mode";
   EXPECT_EQ(client.robot_model(), "UR10");
+  EXPECT_EQ(client.serial_number(), "2014301234");
   EXPECT_FALSE(client.is_program_running());
   client.power_on();
   client.power_off();

@@ -44,6 +44,28 @@ TEST(SimulatedCell, PicksCarriesFeelsContactAndReleases) {
   EXPECT_LT((bench.centre(0_stone).head<2>() - goal).norm(), 0.02);
 }
 
+TEST(SimulatedCell, ACarryEndsWhereItsStoneIsLost) {
+  CellBench bench({make_pebble("pebble", 1.2)});
+  const Eigen::Vector3d p = bench.centre(0_stone);
+  const double yaw = bench.yaw(0_stone), low = std::max(0.004, p.z() - 0.015);
+  ASSERT_EQ(bench.go(tool_down({p.x(), p.y(), 0.25}, yaw)).status, Status::kDone);
+  ASSERT_EQ(bench.go(tool_down({p.x(), p.y(), low}, yaw), 0.1).status, Status::kDone);
+  ASSERT_TRUE(bench.cell.gripper.move(0.0, 0.05, 60.0).object);
+  ASSERT_EQ(bench.go(tool_down({p.x(), p.y(), 0.25}, yaw), 0.1).status, Status::kDone);
+  const auto there = bench.line(tool_down({p.x(), p.y() + 0.2, 0.25}, yaw), 0.2);
+  ASSERT_EQ(bench.cell.arm.carry(there).status, Status::kDone) << "it is held";
+  Pose T_W_O = bench.simulated.truth().T_W_O[0];
+  T_W_O.translation() = Eigen::Vector3d(0.5, -0.4, 0.06);
+  bench.simulated.place(0_stone, T_W_O);  // taken out of the gripper
+  const auto back = bench.line(tool_down({p.x(), p.y(), 0.25}, yaw), 0.1);
+  const MotionResult lost = bench.cell.arm.carry(back);
+  EXPECT_EQ(lost.status, Status::kDropped) << lost.reason;
+  EXPECT_LT((bench.T_W_T(lost.q).translation() - bench.T_W_T(back.q.front()).translation()).norm(), 0.1)
+      << "at rest early in the two seconds";
+  EXPECT_TRUE(bench.cell.arm.state().can_move) << "no stop of the safety system";
+  EXPECT_EQ(bench.go(tool_down({p.x(), p.y(), 0.3}, yaw)).status, Status::kDone);
+}
+
 TEST(SimulatedCell, GuardedDescentStopsAtOnceOnTheTable) {
   CellBench bench({make_pebble("pebble", 1.2)});
   ASSERT_EQ(bench.go(tool_down({0.7, 0.3, 0.02})).status, Status::kDone);

@@ -123,5 +123,45 @@ TEST(BuildTower, AGripperThatIsLowOverTheFieldBacksAwayFirst) {
   EXPECT_EQ(all_of<BackedAway>(result.events).size(), 1U);
 }
 
+/// Moves the stone after one of its frames.
+struct MovingCamera : DepthCamera {
+  DepthCamera& camera;
+  SimulatedCell& world;
+  int after;
+  MovingCamera(DepthCamera& inner, SimulatedCell& true_world, int frame)
+      : camera(inner), world(true_world), after(frame) {}
+  DepthFrame capture() override {
+    DepthFrame frame = camera.capture();
+    if (after-- == 0) {
+      const Truth truth = world.truth();
+      Pose T_W_O = at(truth.T_W_O, 1_stone);
+      T_W_O.translation().y() -= 0.10;
+      world.place(1_stone, T_W_O);
+      world.wait(1.0);
+    }
+    return frame;
+  }
+};
+
+TEST(BuildTower, AStoneThatIsMovedBetweenTheFirstViewsIsFound) {
+  const Catalogue catalogue = read_catalogue(data_path("stones"));
+  const RobotModel robot = read_robot("ur10");
+  for (int frame = 0; frame < 3; ++frame) {
+    SimulationOptions world_options;
+    world_options.seed = 7;
+    SimulatedCell world(catalogue.stones, {1_stone}, robot, CellLayout{}, world_options);
+    MovingCamera camera(world.cell().camera, world, frame);
+    const Cell inner = world.cell();
+    Cell cell{inner.arm, inner.gripper, inner.force_torque, camera, inner.clock, inner.layout};
+    BuildOptions options;
+    options.max_stones = 1;
+    options.search.horizon = 1;
+    options.measure_friction = false;
+    const RunResult result = build_tower(cell, catalogue, robot, options);
+    EXPECT_EQ(result.height, 1) << "moved after frame " << frame << ": " << result.ended;
+    EXPECT_LT(camera.after, 0) << "it was moved";
+  }
+}
+
 }  // namespace
 }  // namespace stonestack::stacking

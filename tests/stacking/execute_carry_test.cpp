@@ -51,6 +51,32 @@ TEST(Execute, AStoneLostInTransitIsNotSetDown) {
   EXPECT_EQ(cell.arm.followed.q.back(), carry.q.front());
 }
 
+TEST(Execute, AStoneLostOnTheWayIsCarriedNoFurther) {
+  Carried cell({1.0, 0.0});
+  const JointTrajectory& carry = cell.plan.steps[1].trajectory;
+  cell.arm.dropped_at = sample(carry, 0.4).q;
+  const auto done = cell.run();
+  EXPECT_EQ(done.status, ExecutionResult::Status::kLost);
+  EXPECT_THAT(done.reason, testing::HasSubstr("lost in transit"));
+  EXPECT_THAT(cell.arm.commands, testing::ElementsAre("follow", "carry", "follow", "open"));
+  EXPECT_EQ(cell.arm.followed.q.front(), sample(carry, 0.4).q) << "back from where the arm stands";
+  EXPECT_TRUE(cell.arm.followed.q.back().isApprox(carry.q.front()));
+  const double height = 0.5 * (carry.q.front() + carry.q.back()).norm();
+  for (const Joints& q : cell.arm.followed.q) EXPECT_LT(q.norm(), 2 * height) << "not beyond where it was";
+  EXPECT_EQ(cell.arm.payloads.size(), 2U) << "the arm knows at once that nothing is carried any more";
+}
+
+TEST(Execute, AStoneThatTheWristStillWeighsIsPutBack) {
+  Carried cell({1.0, 1.0});
+  cell.arm.dropped_at = sample(cell.plan.steps[1].trajectory, 0.4).q;
+  const auto done = cell.Bench::run({Status::kContact});
+  EXPECT_EQ(done.status, ExecutionResult::Status::kNotPicked);
+  EXPECT_THAT(done.reason, testing::HasSubstr("uncertain in transit"));
+  EXPECT_THAT(cell.arm.commands,
+              testing::ElementsAre("follow", "carry", "follow", "lower", "follow", "open", "follow"));
+  EXPECT_EQ(cell.arm.payloads.size(), 1U) << "until then the arm carries it";
+}
+
 TEST(Execute, AStoneThatFallsWhileItIsLoweredIsNotSetDown) {
   Carried cell({1.0, 1.0, 0.0});
   EXPECT_EQ(cell.run().status, ExecutionResult::Status::kLost);

@@ -259,6 +259,8 @@ TEST(Execute, RetreatsAsFarAsTheArmCanFollow) {
 TEST(Execute, NearTheTableTheGripperRetreatsBeforeItOpensWide) {
   Bench bench;
   bench.plan.steps.insert(bench.plan.steps.begin() + 4, bench.plan.steps[3]);  // let go, then open wide
+  bench.gripper.after_move = [&](double /*opening*/) { bench.gripper.object = false; };
+  bench.gripper.object = true;
   static_cast<void>(bench.run({Status::kNoContact, Status::kContact}));
   const std::vector<std::string> high = bench.arm.commands;
 
@@ -268,6 +270,7 @@ TEST(Execute, NearTheTableTheGripperRetreatsBeforeItOpensWide) {
   const auto near = inverse(bench.scene.robot, T_R_F, home_joints());
   ASSERT_FALSE(near.empty());
   bench.arm.q = near.front().q;
+  bench.gripper.object = true;
   static_cast<void>(bench.run({Status::kNoContact, Status::kContact}));
   const std::vector<std::string>& low = bench.arm.commands;
   ASSERT_EQ(low.size(), high.size() + 1) << "one more motion";
@@ -275,6 +278,26 @@ TEST(Execute, NearTheTableTheGripperRetreatsBeforeItOpensWide) {
   ASSERT_NE(first_open, low.end());
   EXPECT_EQ(*(first_open + 1), "follow");
   EXPECT_EQ(*(first_open + 2), "open");
+}
+
+TEST(Execute, NearTheTableFingersThatLostTheStoneRetreatBeforeTheyOpen) {
+  Bench bench;
+  const auto down = Eigen::AngleAxisd(M_PI - 0.3, Eigen::Vector3d::UnitY());
+  const Pose T_R_F = bench.layout.T_W_R.inverse() * Pose(Eigen::Translation3d(0.7, 0.2, 0.02) * down) *
+                     bench.layout.T_F_T.inverse();
+  const auto near = inverse(bench.scene.robot, T_R_F, home_joints());
+  ASSERT_FALSE(near.empty());
+  bench.arm.q = near.front().q;
+  bench.plan.steps[3].opening = 0.13;  // the lower finger would reach the table
+  for (const bool holds : {true, false}) {
+    bench.gripper.after_move = [&](double /*opening*/) { bench.gripper.object = false; };
+    bench.gripper.object = holds;
+    static_cast<void>(bench.run({Status::kNoContact, Status::kContact}));
+    const std::vector<std::string>& done = bench.arm.commands;
+    const auto open = std::find(done.begin(), done.end(), "open");
+    ASSERT_NE(open, done.end());
+    EXPECT_EQ(*(open - 1), holds ? "descend" : "follow") << "from a stone that is held nothing lifts it";
+  }
 }
 
 TEST(Execute, AStopOfTheArmEndsIt) {

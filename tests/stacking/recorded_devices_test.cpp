@@ -39,6 +39,10 @@ struct TestArm : Arm {
   MotionResult follow(const JointTrajectory& trajectory) override {
     return move(trajectory, share * trajectory.duration(), status);
   }
+  double carried_for = 1e9;  ///< time after which the gripper has lost what it holds [s]
+  MotionResult carry(const JointTrajectory& trajectory) override {
+    return move(trajectory, carried_for, MotionResult::Status::kDropped);
+  }
   MotionResult follow_guarded(const GuardedMotion& motion) override {
     return move(motion.trajectory, contact_after, MotionResult::Status::kContact);
   }
@@ -109,6 +113,15 @@ TEST_F(RecordedDevicesTest, SamplesAMotionAlongItsTime) {
   EXPECT_NEAR(timeline_.samples.front().time, 100.0, 1e-9);
   EXPECT_NEAR(timeline_.samples.back().time, 102.0, 1e-9);
   for (const MotionSample& s : timeline_.samples) EXPECT_NEAR(s.q[3], s.time - 100.0, 1e-9);
+}
+
+TEST_F(RecordedDevicesTest, ACarryThatEndsEarlyIsRecordedUpToThere) {
+  arm_.carried_for = 0.5;
+  const MotionResult result = devices_.cell().arm.carry(ramp(2.0));
+  EXPECT_EQ(result.status, MotionResult::Status::kDropped);
+  EXPECT_NEAR(timeline_.samples.back().q[0], result.q[0], 1e-12);
+  EXPECT_NEAR(result.q[0], 0.5, 1e-9);
+  EXPECT_NO_THROW((void)devices_.cell().arm.state()) << "it stands where the carry ended";
 }
 
 TEST_F(RecordedDevicesTest, EndsAGuardedMotionWhereItTouched) {

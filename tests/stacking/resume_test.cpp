@@ -34,6 +34,7 @@ struct KilledRun {
   BuildOptions options;
   SimulationOptions world_options;
   std::string folder;
+  std::function<void(SimulatedCell&)> meanwhile;  ///< what happens before the program goes on
   std::unique_ptr<SimulatedCell> world;
 
   explicit KilledRun(const std::string& name) : folder(test::temporary_folder() + name) {
@@ -52,6 +53,7 @@ struct KilledRun {
   bool perform(bool goes_on, const std::string& step, bool before_it, RunResult* result = nullptr,
                int count = 1) {
     make_world(goes_on);
+    if (goes_on && meanwhile) meanwhile(*world);
     const Cell devices = world->cell();
     MortalArm arm(devices.arm);
     MortalGripper gripper(devices.gripper);
@@ -139,6 +141,26 @@ TEST(Resume, AProgramThatEndsWhileItTakesAStoneBackGoesOn) {
   RunResult result;
   ASSERT_FALSE(run.perform(true, "", false, &result));
   run.expect_tower(result);
+}
+
+TEST(Resume, AStoneThatWasMovedMeanwhileIsTakenFromWhereItLies) {
+  KilledRun run("resume_moved");
+  run.options.max_stones = 1;
+  ASSERT_TRUE(run.perform(false, "open the gripper", true));
+  run.meanwhile = [](SimulatedCell& world) {
+    const Truth truth = world.truth();
+    for (const StoneIndex stone : {1_stone, 2_stone}) {
+      Pose T_W_O = at(truth.T_W_O, stone);
+      T_W_O.translation().x() += 0.05;
+      world.place(stone, T_W_O);
+    }
+    world.wait(1.0);
+  };
+  RunResult result;
+  ASSERT_FALSE(run.perform(true, "", true, &result));
+  EXPECT_EQ(result.height, 1) << result.ended;
+  for (const PlacementRecord& record : result.placements)
+    EXPECT_NE(record.outcome, PlacementRecord::Outcome::kNotPicked) << "taken from where it lay before";
 }
 
 TEST(Resume, AStoneInAGripperFarFromItsPathIsLeftToAPerson) {

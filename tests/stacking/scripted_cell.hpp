@@ -2,6 +2,7 @@
 #include <deque>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,15 @@ struct ScriptedArm : Arm {
     followed = trajectory;
     after_motion();
     return {stops_after-- == 0 ? Status::kStopped : Status::kDone, q, 0.0, ""};
+  }
+  std::optional<Joints> dropped_at;  ///< where the next carry ends because its stone is lost
+  MotionResult carry(const JointTrajectory& trajectory) override {
+    if (!dropped_at) return follow(trajectory);
+    commands.push_back("carry");
+    q = *dropped_at;
+    dropped_at.reset();
+    after_motion();
+    return {Status::kDropped, q, 0.0, "scripted"};
   }
   MotionResult follow_guarded(const GuardedMotion& motion) override {
     commands.push_back(motion.threshold > 10 ? "lower" : "descend");

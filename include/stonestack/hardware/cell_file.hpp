@@ -86,6 +86,7 @@ using ConfirmRearming = std::function<bool(const ControllerState& state, const s
 struct ControllerDescription {
   std::string model;      ///< "UR10"; empty where it does not say (before PolyScope 3.12 and 5.6)
   std::string polyscope;  ///< "3.15.8.106339"
+  std::string serial;     ///< serial number of the arm; empty where it does not say (as its model)
   bool e_series = false;  ///< its arm has a force sensor of its own
   ControllerState state;  ///< mode, safety status and program at the time of asking
   std::optional<bool> remote_control;          ///< empty where there is no such mode

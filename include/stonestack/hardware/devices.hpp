@@ -22,11 +22,11 @@ struct ArmState {
   std::string stop_reason;     ///< when it cannot
 };
 
-/// How a motion ended. Every status but kDone and kContact needs a person's attention.
+/// How a motion ended. kStopped, kRefused and kLost need a person's attention.
 struct MotionResult {
   /// Outcome of a motion: done, ended by contact, ended without the contact it was to find, stopped by the
-  /// robot, refused before it began, or connection lost.
-  enum class Status { kDone, kContact, kNoContact, kStopped, kRefused, kLost };
+  /// robot, refused before it began, connection lost, or ended because the gripper lost what it held.
+  enum class Status { kDone, kContact, kNoContact, kStopped, kRefused, kLost, kDropped };
   Status status = Status::kDone;  ///< outcome of the motion
   Joints q = Joints::Zero();      ///< where the arm stands
   double force = 0.0;             ///< along the guard's direction when it ended [N]
@@ -52,6 +52,9 @@ class Arm {
   [[nodiscard]] virtual ArmState state() = 0;
   /// Follows the trajectory to its end. Refuses one that does not start within 0.01 rad of where the arm is.
   [[nodiscard]] virtual MotionResult follow(const JointTrajectory& trajectory) = 0;
+  /// Follows the trajectory with an object in the gripper, and stops on the way (kDropped) once the gripper
+  /// has lost it. The arms of this library do so; one that does not know its gripper follows to the end.
+  [[nodiscard]] virtual MotionResult carry(const JointTrajectory& trajectory) { return follow(trajectory); }
   /// Follows a trajectory until the force guard ends it.
   [[nodiscard]] virtual MotionResult follow_guarded(const GuardedMotion& motion) = 0;
   /// Controlled stop; no motion after it without a new command.

@@ -101,6 +101,11 @@ std::optional<std::string> DashboardClient::robot_model() {
   return ask("get robot model");
 }
 
+std::optional<std::string> DashboardClient::serial_number() {
+  if (!version().has(kModel3, kModel5)) return std::nullopt;
+  return ask("get serial number");
+}
+
 bool DashboardClient::is_program_running() {
   const std::string value = ask_for("running", "Program running:");
   const auto truth = dashboard_truth(value);

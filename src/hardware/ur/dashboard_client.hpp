@@ -30,6 +30,8 @@ class DashboardClient {
   [[nodiscard]] std::optional<bool> is_in_remote_control();
   /// "UR10"; empty before 3.12 and 5.6.
   [[nodiscard]] std::optional<std::string> robot_model();
+  /// Of the arm; empty before 3.12 and 5.6.
+  [[nodiscard]] std::optional<std::string> serial_number();
   [[nodiscard]] bool is_program_running();
   void power_on();
   void power_off();

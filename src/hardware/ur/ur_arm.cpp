@@ -235,7 +235,8 @@ FieldList fields(UrArmOptions& o) {
         field("pause_limit", o.pause_limit, {0, 86400}, "s", "that a user may pause a motion"),
         field("stop_timeout", o.stop_timeout, {0.1, 60}, "s", "until the arm stands still after a stop"),
         field("safety_checksum", o.safety_checksum,
-              "of the safety configuration with which the arm may move, as `setup` writes it; empty: any")},
+              "of the safety configuration with which the arm may move, as `setup` writes it; empty: any"),
+        field("serial", o.serial, "of the arm that may be moved, as `setup` writes it; empty: any")},
        nest("rtde", fields(o.rtde)),
        nest("script", fields(o.script))});
 }

@@ -25,6 +25,7 @@ struct UrArmOptions {
   /// Checksum of the safety configuration with which motions are allowed, eight hexadecimal digits; empty:
   /// with any.
   std::string safety_checksum;
+  std::string serial;  ///< serial number of the arm that may be moved, as the Dashboard says it; empty: any
   RtdeOptions rtde;
   ScriptOptions script;
 };

@@ -1,0 +1,94 @@
+#include "hardware/hold_watch.hpp"
+
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/log.hpp"
+
+namespace stonestack::hardware {
+namespace {
+
+/// Asks the gripper from a thread of its own until the motion is over.
+class Watching {
+ public:
+  Watching(Arm& arm, Gripper& gripper) : arm_(arm), gripper_(gripper), thread_([this] { watch(); }) {}
+  ~Watching() { end(); }
+  Watching(const Watching&) = delete;
+  Watching& operator=(const Watching&) = delete;
+
+  /// Ends the watch. True if the object was lost.
+  bool end() {
+    {
+      const std::lock_guard lock(mutex_);
+      over_ = true;
+    }
+    changed_.notify_all();
+    if (thread_.joinable()) thread_.join();
+    return lost_;
+  }
+
+ private:
+  void watch() {
+    HoldJudge judge;
+    do {
+      try {
+        if (!judge.lost(gripper_.state())) continue;
+      } catch (const std::exception& problem) {
+        log_debug(std::string("the gripper does not say whether it holds anything: ") + problem.what());
+        continue;
+      }
+      lost_ = true;
+      stop();
+      return;
+    } while (!pause());
+  }
+
+  void stop() {
+    if (is_over()) return;
+    try {
+      arm_.stop();
+    } catch (const std::exception& problem) {
+      log_warning(std::string("the arm did not confirm a stop: ") + problem.what());
+    }
+  }
+
+  bool is_over() {
+    const std::lock_guard lock(mutex_);
+    return over_;
+  }
+
+  /// True when the motion is over.
+  bool pause() {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, std::chrono::duration<double>(kHoldPeriod), [this] { return over_; });
+  }
+
+  Arm& arm_;
+  Gripper& gripper_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool over_ = false;
+  bool lost_ = false;  // by the thread, read once it has ended
+  std::thread thread_;
+};
+
+}  // namespace
+
+MotionResult HoldWatch::carry(const JointTrajectory& trajectory) {
+  using Status = MotionResult::Status;
+  Watching watching(*arm_, *gripper_);
+  MotionResult result = arm_->follow(trajectory);
+  const bool lost = watching.end();
+  if (lost && (result.status == Status::kDone || result.status == Status::kStopped) &&
+      arm_->state().can_move) {
+    result.status = Status::kDropped;
+    result.reason = kDroppedReason;
+    result.q = arm_->state().q;
+  }
+  return result;
+}
+
+}  // namespace stonestack::hardware
