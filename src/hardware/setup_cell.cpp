@@ -105,7 +105,7 @@ std::string robot_text(const std::string& robot, const ControllerDescription& co
   return text;
 }
 
-/// What can stand in a file between quotes.
+/// True for text that can stand in a file between quotes.
 bool is_serial(const std::string& text) {
   return !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) {
     return std::isalnum(c) != 0 || c == '-' || c == '_';

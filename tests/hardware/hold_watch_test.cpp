@@ -78,7 +78,7 @@ TEST(HoldWatch, FingersThatCloseOnHaveLostIt) {
   EXPECT_EQ(carried("hmc", arm).status, Status::kDropped) << "before they have come to rest";
 }
 
-TEST(HoldWatch, WhatIsLostBeforeTheCarryStopsItToo) {
+TEST(HoldWatch, AnObjectThatIsLostBeforeTheCarryStopsItToo) {
   SlowArm arm;
   arm.seconds = 20.0;
   EXPECT_EQ(carried("-", arm).status, Status::kDropped);
