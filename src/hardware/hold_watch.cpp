@@ -5,6 +5,7 @@
 #include <mutex>
 #include <thread>
 
+#include "hardware/constants.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
 
@@ -36,18 +37,18 @@ class Watching {
     do {
       try {
         if (!judge.lost(gripper_.state())) continue;
+        if (arm_.state().qd.cwiseAbs().maxCoeff() < kStandstillSpeed) continue;
       } catch (const std::exception& problem) {
-        log_debug(std::string("the gripper does not say whether it holds anything: ") + problem.what());
+        log_debug(std::string("whether the gripper still holds anything is not known: ") + problem.what());
         continue;
       }
-      lost_ = true;
-      stop();
+      if (!is_over()) stop();
       return;
     } while (!pause());
   }
 
   void stop() {
-    if (is_over()) return;
+    lost_ = true;
     try {
       arm_.stop();
     } catch (const std::exception& problem) {
@@ -71,7 +72,7 @@ class Watching {
   std::mutex mutex_;
   std::condition_variable changed_;
   bool over_ = false;
-  bool lost_ = false;  // by the thread, read once it has ended
+  bool lost_ = false;  // while the arm moved; by the thread, read once it has ended
   std::thread thread_;
 };
 

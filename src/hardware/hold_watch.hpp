@@ -26,9 +26,10 @@ class HoldJudge {
   int missing_ = 0;
 };
 
-/// An arm whose carries end with a stop once `HoldJudge` says so, from ten answers a second. A gripper that
-/// does not answer says nothing about what it holds. Everything else is passed on. `arm` and `gripper` must
-/// outlive it; during a carry nobody else may use the gripper.
+/// An arm whose carries end with a stop once `HoldJudge` says so, from ten answers a second. Only while the
+/// arm moves: it may stand because a person paused it, who then takes the object out, and must not be made
+/// to move by that. A gripper that does not answer says nothing about what it holds. Everything else is
+/// passed on. `arm` and `gripper` must outlive it; during a carry nobody else may use the gripper.
 class HoldWatch final : public Arm {
  public:
   HoldWatch(Arm& arm, Gripper& gripper) : arm_(&arm), gripper_(&gripper) {}

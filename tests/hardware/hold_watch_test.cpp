@@ -18,10 +18,12 @@ using Status = MotionResult::Status;
 struct SlowArm : Arm {
   double seconds = 1.0;
   bool safety_stop = false;  ///< the safety system ends the motion
+  bool paused = false;       ///< it stands
   std::atomic<bool> stopped{false};
   ArmState state() override {
     ArmState state;
     state.q[0] = 0.5;
+    if (!stopped && !paused) state.qd[1] = 0.2;
     state.can_move = !safety_stop;
     return state;
   }
@@ -90,6 +92,13 @@ TEST(HoldWatch, OneOddAnswerOrNoneEndsNothing) {
     EXPECT_EQ(carried(answers, arm).status, Status::kDone) << answers;
     EXPECT_FALSE(arm.stopped) << answers;
   }
+}
+
+TEST(HoldWatch, APersonMayTakeTheObjectOutOfAPausedArm) {
+  SlowArm arm;
+  arm.paused = true;
+  EXPECT_EQ(carried("h--", arm).status, Status::kDone);
+  EXPECT_FALSE(arm.stopped) << "nothing is commanded while somebody is at the gripper";
 }
 
 TEST(HoldWatch, AStopOfTheSafetySystemStaysOne) {
