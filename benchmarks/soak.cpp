@@ -1,5 +1,6 @@
 // Whole runs for hours: does the process grow? Each run has another seed; after each the caches are emptied
-// (they are bounded, and take tens of runs to fill), and resident memory, descriptors and threads counted.
+// (they are bounded, and take tens of runs to fill), and the heap in use, resident memory, open descriptors
+// and threads are counted.
 #include "soak.hpp"
 
 #include <unistd.h>

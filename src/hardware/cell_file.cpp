@@ -330,23 +330,6 @@ std::unique_ptr<DepthCamera> make_camera(const CellConfig& config) {
   }
 }
 
-namespace {
-
-/// The address may have gone to another arm, whose calibration and safety configuration are others.
-void require_same_arm(const UrArmOptions& arm) {
-  if (arm.serial.empty()) return;
-  DashboardClient dashboard({arm.address, arm.dashboard_port});
-  const std::string serial = dashboard.serial_number().value_or("");
-  if (serial == arm.serial) return;
-  throw DeviceError("UR arm at " + arm.address,
-                    concat(serial.empty() ? std::string("its controller does not say its serial number")
-                                          : "has the serial number " + serial,
-                           ", and the cell's arm.serial is ", arm.serial),
-                    "check arm.address, or run `stonestack setup` again for this arm");
-}
-
-}  // namespace
-
 struct HardwareCell::Devices {
   CellLayout layout;
   std::unique_ptr<Clock> clock = make_steady_clock();
@@ -369,7 +352,8 @@ struct HardwareCell::Devices {
 
 HardwareCell::HardwareCell(const CellConfig& config) {
   require_arm_address(config);
-  require_same_arm(config.arm);
+  if (!config.arm.serial.empty())
+    DashboardClient({config.arm.address, config.arm.dashboard_port}).require_serial(config.arm.serial);
   devices_ = std::make_unique<Devices>(config);
 }
 

@@ -20,7 +20,7 @@ class Watching {
   Watching(const Watching&) = delete;
   Watching& operator=(const Watching&) = delete;
 
-  /// Ends the watch. True if the object was lost.
+  /// Ends the watch. True if the object was lost while the arm moved.
   bool end() {
     {
       const std::lock_guard lock(mutex_);
@@ -30,6 +30,8 @@ class Watching {
     if (thread_.joinable()) thread_.join();
     return lost_;
   }
+  /// Why the arm did not confirm the stop; empty: it did, or none was needed. After `end`.
+  [[nodiscard]] const std::string& problem() const { return problem_; }
 
  private:
   void watch() {
@@ -52,7 +54,7 @@ class Watching {
     try {
       arm_.stop();
     } catch (const std::exception& problem) {
-      log_warning(std::string("the arm did not confirm a stop: ") + problem.what());
+      problem_ = std::string("the arm did not confirm a stop: ") + problem.what();
     }
   }
 
@@ -72,7 +74,8 @@ class Watching {
   std::mutex mutex_;
   std::condition_variable changed_;
   bool over_ = false;
-  bool lost_ = false;  // while the arm moved; by the thread, read once it has ended
+  bool lost_ = false;  // like `problem_` by the thread, read once it has ended
+  std::string problem_;
   std::thread thread_;
 };
 
@@ -83,12 +86,11 @@ MotionResult HoldWatch::carry(const JointTrajectory& trajectory) {
   Watching watching(*arm_, *gripper_);
   MotionResult result = arm_->follow(trajectory);
   const bool lost = watching.end();
-  if (lost && (result.status == Status::kDone || result.status == Status::kStopped) &&
-      arm_->state().can_move) {
-    result.status = Status::kDropped;
-    result.reason = kDroppedReason;
-    result.q = arm_->state().q;
-  }
+  if (!lost || (result.status != Status::kDone && result.status != Status::kStopped)) return result;
+  const std::string& problem = watching.problem();
+  if (!problem.empty()) return {Status::kStopped, result.q, 0.0, concat(kDroppedReason, "; ", problem)};
+  const ArmState state = arm_->state();
+  if (state.can_move) return {Status::kDropped, state.q, 0.0, kDroppedReason};
   return result;
 }
 

@@ -27,6 +27,7 @@ constexpr double kHello = 2.0;    // s until a controller has said who it is; it
 std::string ask_dashboard(const CellConfig& cell) {
   DashboardClient dashboard({cell.arm.address, cell.arm.dashboard_port});
   const UrVersion version = dashboard.version();
+  dashboard.require_serial(cell.arm.serial);
   const std::string mode = dashboard.robot_mode(), safety = dashboard.safety();
   const auto remote = dashboard.is_in_remote_control();
   const std::string name = "UR controller at " + cell.arm.address;

@@ -26,6 +26,9 @@ ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const 
   ExecutionResult result;
   bool lowered = false, touched = false, rests = false, loose = false;
   const PlanStep *lift = nullptr, *lowering = nullptr;
+  const auto go = [&](const PlanStep& step) {
+    return lift != nullptr && !loose ? executor.carry(*lift, step) : executor.follow(step);
+  };
   for (const PlanStep& step : plan.steps) {
     throw_if_interrupted();
     executor.intend(step);
@@ -73,7 +76,7 @@ ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const 
         break;
       case PlanStep::Kind::kApproach:
         if (step.threshold <= 0) {
-          now = lift != nullptr && !loose ? executor.carry(*lift, step) : executor.follow(step);
+          now = go(step);
           break;
         }
         if (leads_to_grasp(plan, step)) {
@@ -95,7 +98,7 @@ ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const 
         lift = &step;
         break;
       case PlanStep::Kind::kTransit:
-        now = lift != nullptr && !loose ? executor.carry(*lift, step) : executor.follow(step);
+        now = go(step);
         break;
     }
     if (now.status != Status::kReleased) return now;

@@ -81,6 +81,9 @@ TEST_F(DoctorCommand, NamesWhatIsWrong) {
   EXPECT_THAT(owned.out, ContainsRegex("FAIL  arm, Dashboard: .*127.0.0.1:29999.*security settings"));
   EXPECT_THAT(owned.out, ContainsRegex("FAIL  force sensor, reading: .*127.0.0.1"));
   EXPECT_THAT(owned.out, ContainsRegex("FAIL  camera, frames: .*127.0.0.1"));
+  write("another.yaml", "simulate: true\narm: {serial: \"2099999999\"}\n");
+  EXPECT_THAT(run("doctor --cell another.yaml").out,
+              ContainsRegex("FAIL  arm, Dashboard: .*serial number [0-9]+.*arm.serial is 2099999999"));
   // What shows only when one listens for a while.
   write("odd.yaml",
         "simulate: true\narm: {rtde: {stale_after: 1.0, retry_pause: 0.05}}\nforce_torque: {stale: "

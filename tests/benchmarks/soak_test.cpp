@@ -14,6 +14,7 @@ TEST_F(BenchCommand, SoakCountsWhatTheProcessHoldsAfterEachRun) {
   EXPECT_EQ(rows[1]["seed"], 6);
   EXPECT_EQ(rows[1]["height"], 1);
   EXPECT_GT(rows[1]["heap_mb"].get<double>(), 1.0);
+  EXPECT_LT(rows[1]["heap_mb"].get<double>(), rows[0]["heap_mb"].get<double>() + 1.0) << "caches are empty";
   EXPECT_GT(rows[1]["resident_mb"].get<double>(), 10.0);
   EXPECT_GE(rows[1]["descriptors"].get<int>(), 3);
   EXPECT_GE(rows[1]["threads"].get<int>(), 1);

@@ -115,6 +115,18 @@ TEST_F(Rearm, SwitchesTheArmOnAndReleasesItsBrakes) {
   EXPECT_EQ(done.after.robot_mode, "RUNNING");
 }
 
+TEST_F(Rearm, LeavesAnotherArmAlone) {
+  serve();
+  dashboard().power_off();
+  config_.arm.serial = "2099999999";
+  EXPECT_THAT(problem(), AllOf(HasSubstr("serial number " + UrServerOptions().serial),
+                               HasSubstr("arm.serial is 2099999999")));
+  EXPECT_TRUE(questions_.empty());
+  EXPECT_EQ(dashboard().robot_mode(), "POWER_OFF");
+  config_.arm.serial = UrServerOptions().serial;
+  EXPECT_EQ(problem(), "");
+}
+
 TEST_F(Rearm, RefusesALocalController) {
   ControllerFaults faults;
   faults.local_mode = true;

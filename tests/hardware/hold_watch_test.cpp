@@ -19,6 +19,7 @@ struct SlowArm : Arm {
   double seconds = 1.0;
   bool safety_stop = false;  ///< the safety system ends the motion
   bool paused = false;       ///< it stands
+  bool obeys = true;         ///< it confirms a stop
   std::atomic<bool> stopped{false};
   ArmState state() override {
     ArmState state;
@@ -34,7 +35,10 @@ struct SlowArm : Arm {
     return {ended ? Status::kStopped : Status::kDone, Joints::Zero(), 0.0, ended ? "stopped" : ""};
   }
   MotionResult follow_guarded(const GuardedMotion& motion) override { return follow(motion.trajectory); }
-  void stop() override { stopped = true; }
+  void stop() override {
+    stopped = true;
+    if (!obeys) throw DeviceError("arm", "does not stand 2 s after a stop", "press the emergency stop");
+  }
   void set_payload(double /*mass*/, const Eigen::Vector3d& /*p_F_com*/) override {}
 };
 
@@ -106,6 +110,15 @@ TEST(HoldWatch, AStopOfTheSafetySystemStaysOne) {
   arm.safety_stop = true;
   const MotionResult result = carried("h--", arm);
   EXPECT_EQ(result.status, Status::kStopped) << "it needs a person, whatever the gripper holds";
+}
+
+TEST(HoldWatch, AnArmThatDoesNotConfirmItsStopIsNotMovedOn) {
+  SlowArm arm;
+  arm.seconds = 20.0;
+  arm.obeys = false;
+  const MotionResult result = carried("hh--", arm);
+  EXPECT_EQ(result.status, Status::kStopped) << "it needs a person";
+  EXPECT_THAT(result.reason, testing::HasSubstr("does not stand 2 s after a stop"));
 }
 
 TEST(HoldWatch, OtherMotionsAreNotWatched) {

@@ -28,7 +28,6 @@ TEST(RecordExperiment, HoldsNoMoreMemoryAfterFiveRunsThanAfterTwo) {
   order.per_run = 2;
   order.survival = false;
   order.run.simulation.scan_error = 0.0003;
-  set_fields(fields(order.run), {"search.perturbations=0", "run.measure_friction=false"});
   order.out = folder;
   std::vector<double> after;
   for (const int runs : {2, 5}) {

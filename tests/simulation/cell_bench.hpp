@@ -65,6 +65,15 @@ struct CellBench {
   MotionResult go(const Pose& T_W_T_goal, double speed = 0.25) {
     return cell.arm.follow(line(T_W_T_goal, speed));
   }
+  /// Goes down to the stone, fingers across its shortest axis, and closes them.
+  GripperState grasp(StoneIndex stone) {
+    const Eigen::Vector3d p = centre(stone);
+    for (const double height : {0.25, std::max(0.004, p.z() - 0.015)})
+      if (go(tool_down({p.x(), p.y(), height}, yaw(stone)), height > 0.2 ? 0.25 : 0.1).status !=
+          MotionResult::Status::kDone)
+        throw InvalidArgument("the arm does not reach the stone");
+    return cell.gripper.move(0.0, 0.05, 60.0);
+  }
   /// Centre of mass by the catalogue.
   [[nodiscard]] Eigen::Vector3d centre(StoneIndex stone) const {
     const Truth truth = simulated.truth();

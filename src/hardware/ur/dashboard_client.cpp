@@ -106,6 +106,16 @@ std::optional<std::string> DashboardClient::serial_number() {
   return ask("get serial number");
 }
 
+void DashboardClient::require_serial(const std::string& wanted) {
+  if (wanted.empty()) return;
+  const std::string serial = serial_number().value_or("");
+  if (serial == wanted) return;
+  fail(concat(serial.empty() ? std::string("the controller does not say the arm's serial number")
+                             : "the arm has the serial number " + serial,
+              ", and the cell's arm.serial is ", wanted),
+       "check arm.address, or run `stonestack setup` again for this arm");
+}
+
 bool DashboardClient::is_program_running() {
   const std::string value = ask_for("running", "Program running:");
   const auto truth = dashboard_truth(value);

@@ -32,6 +32,9 @@ class DashboardClient {
   [[nodiscard]] std::optional<std::string> robot_model();
   /// Of the arm; empty before 3.12 and 5.6.
   [[nodiscard]] std::optional<std::string> serial_number();
+  /// The address may have gone to another arm, with another calibration and safety configuration.
+  /// @throws DeviceError unless `wanted` is the arm's serial number, or empty
+  void require_serial(const std::string& wanted);
   [[nodiscard]] bool is_program_running();
   void power_on();
   void power_off();

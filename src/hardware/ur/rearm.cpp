@@ -159,6 +159,7 @@ Rearming rearm_arm(const CellConfig& config, const ConfirmRearming& confirm) {
   require_arm_address(config);
   const std::string arm = "UR arm at " + config.arm.address;
   DashboardClient dashboard({config.arm.address, config.arm.dashboard_port});
+  dashboard.require_serial(config.arm.serial);
   Rearming result;
   result.before = read(dashboard);
   const std::vector<std::string> steps = steps_for(result.before, arm);
