@@ -1,15 +1,20 @@
 #include "fault_devices.hpp"
 
+#include <tbb/global_control.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <mutex>
+#include <nlohmann/json.hpp>
 #include <optional>
+#include <thread>
 
+#include "forked_runs.hpp"
 #include "stacking/journal.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
@@ -19,20 +24,23 @@
 namespace stonestack::bench {
 namespace {
 
-constexpr double kMaxRun = 1500.0;  // s of simulated time: more counts as a hang
-constexpr long kMaxCalls = 100000;  // of devices, likewise
-constexpr double kJump = 0.05;      // rad between the arm and the start of a motion
-constexpr double kHeld = 0.10;      // m from the tool's tip to the middle of a stone that it may hold
-constexpr double kFree = 0.030;     // m below a stone that must not be let go of
-constexpr double kBeneath = 0.07;   // m, level: what is so near lies beneath
-constexpr double kClaimed = 0.030;  // m between a stone and where the run says that it stands
-constexpr double kSilence = 5.0;    // s
-constexpr double kDelay = 0.5;      // s
-constexpr double kHour = 3600.0;    // s
-constexpr double kDriftRate = 0.1;  // N/s
-constexpr double kPast = 0.16;      // m, level, from the tool's tip to a stone that the fingers are clear of
-constexpr double kPastStep = 0.01;  // m
-constexpr double kLow = 0.20;       // m: the fingers of a tip that is lower reach what lies on the table
+using nlohmann::json;
+
+constexpr double kMaxRun = 1500.0;   // s of simulated time: more counts as a hang
+constexpr long kMaxCalls = 100000;   // of devices, likewise
+constexpr double kJump = 0.05;       // rad between the arm and the start of a motion
+constexpr double kHeld = 0.10;       // m from the tool's tip to the middle of a stone that it may hold
+constexpr double kFree = 0.030;      // m below a stone that must not be let go of
+constexpr double kBeneath = 0.07;    // m, level: what is so near lies beneath
+constexpr double kClaimed = 0.030;   // m between a stone and where the run says that it stands
+constexpr double kSilence = 5.0;     // s
+constexpr double kDelay = 0.5;       // s
+constexpr double kHour = 3600.0;     // s
+constexpr double kDriftRate = 0.1;   // N/s
+constexpr double kPast = 0.16;       // m, level, from the tool's tip to a stone that the fingers are clear of
+constexpr double kPastStep = 0.01;   // m
+constexpr double kLow = 0.20;        // m: the fingers of a tip that is lower reach what lies on the table
+constexpr double kDeadline = 900.0;  // s of a run's process: more is a hang
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
@@ -47,15 +55,40 @@ struct Switch : Clock {
   [[nodiscard]] double now() const override { return over ? 2.0 : 0.0; }
 };
 
+/// Recursive mutex whose owner stays its owner in a copy of the process, where threads have other numbers.
+class CopiedMutex {
+ public:
+  void lock() {
+    if (owner_ != std::this_thread::get_id()) {
+      mutex_.lock();
+      owner_ = std::this_thread::get_id();
+    }
+    ++depth_;
+  }
+  void unlock() {
+    if (--depth_ > 0) return;
+    owner_ = std::thread::id();
+    mutex_.unlock();
+  }
+
+ private:
+  std::mutex mutex_;
+  std::atomic<std::thread::id> owner_;
+  int depth_ = 0;
+};
+
 /// One run: the world, the fault, and what the devices saw.
 struct FaultRun {
   const FaultScene& scene;
-  const Fault& fault;
+  const Fault* fault = nullptr;  ///< null: none strikes
   FaultPhase wanted;
+  /// Called at each phase, of a run that others branch off: the cell whose fault strikes here, or null.
+  std::function<const FaultCell*(FaultPhase)> branch;
   SimulatedCell world;
   Cell inner;
   Switch interrupt;
-  mutable std::recursive_mutex mutex;
+  std::optional<TimeLimit> limit;
+  mutable CopiedMutex mutex;
   FaultPhase phase = FaultPhase::kConnect;
   FaultOutcome outcome;
   bool struck = false, once_done = false, lowered = false, moving_alone = false, stop_asked = false;
@@ -69,27 +102,28 @@ struct FaultRun {
   std::string journal_path;                ///< of a run whose disk fills up
   Journal journal;
 
-  FaultRun(const FaultScene& s, const Fault& f, FaultPhase p, const SimulationOptions& options)
+  FaultRun(const FaultScene& s, const Fault* f, FaultPhase p, const SimulationOptions& options)
       : scene(s),
         fault(f),
         wanted(p),
         world(s.catalogue.stones, first_stones(s.catalogue.stones.size()), s.robot, CellLayout{}, options),
         inner(world.cell()),
         at_look(world.truth()) {
-    if (fault.name != "disk full") return;
+    if (fault == nullptr || fault->name != "disk full") return;
     static std::atomic<int> count{0};
     journal_path = concat(std::filesystem::temp_directory_path().string(), "/stonestack-faults-", ::getpid(),
                           '-', ++count, ".jsonl");
     journal = Journal(journal_path);
   }
-  ~FaultRun() {
-    std::error_code ignored;
-    if (!journal_path.empty()) std::filesystem::remove(journal_path, ignored);
-  }
+  ~FaultRun() { remove_journal(); }
   FaultRun(const FaultRun&) = delete;
   FaultRun& operator=(const FaultRun&) = delete;
 
-  [[nodiscard]] bool is(const char* name) const { return struck && fault.name == name; }
+  void remove_journal() const {
+    std::error_code ignored;
+    if (!journal_path.empty()) std::filesystem::remove(journal_path, ignored);
+  }
+  [[nodiscard]] bool is(const char* name) const { return struck && fault->name == name; }
   [[nodiscard]] bool once(const char* name) {
     if (!is(name) || once_done) return false;
     return once_done = true;
@@ -101,7 +135,13 @@ struct FaultRun {
   void enter(FaultPhase next) {
     if (next < phase) return;
     phase = next;
-    if (phase < wanted || struck) return;
+    if (struck) return;
+    if (branch) {
+      const FaultCell* cell = branch(phase);
+      if (cell == nullptr) return;
+      fault = cell->fault, wanted = cell->phase;
+    }
+    if (fault == nullptr || phase < wanted) return;
     struck = outcome.reached = true;
     struck_at = world.truth().time;
     strike();
@@ -191,7 +231,7 @@ struct FaultRun {
     shift(in_fingers ? by * T_W_T.linear().col(1) : Eigen::Vector3d(by, 0, 0), to_table);
   }
   void strike() {
-    const std::string& n = fault.name;
+    const std::string& n = fault->name;
     const bool holding = held().has_value();
     if (n == "sudden loss" && holding) shift({0, 0, 0}, true);
     if (n == "slow slip" && holding) shift({0, 0, -0.010}, false);
@@ -201,7 +241,10 @@ struct FaultRun {
     if (n == "stone gone") shift({-3.0, 0, 0}, true);
     if (n == "tower falls") throw_over({0.0, -0.15, 0});
     if (n == "stone moved") throw_over({0.04, 0.02, 0});
-    if (n == "interrupt") interrupt.over = true;
+    if (n == "interrupt") {
+      limit.emplace(1.0, interrupt);
+      interrupt.over = true;
+    }
     if (n == "disk full") journal = Journal("/dev/full");
   }
   [[nodiscard]] std::string robot_stop() const {
@@ -524,8 +567,10 @@ const std::vector<Fault>& known_faults() {
   return list;
 }
 
-FaultOutcome run_with_fault(const FaultScene& scene, const Fault& fault, FaultPhase phase) {
-  FaultRun run(scene, fault, phase, fault_cell(scene.seed));
+namespace {
+
+/// The whole run and the verdict on it.
+FaultOutcome finish(FaultRun& run) {
   FaultyArm arm(run);
   FaultyGripper gripper(run);
   FaultySensor sensor(run);
@@ -540,19 +585,18 @@ FaultOutcome run_with_fault(const FaultScene& scene, const Fault& fault, FaultPh
     if (std::holds_alternative<PlaceBegun>(event)) run.enter(FaultPhase::kPreGrasp);
   };
   if (!run.journal_path.empty()) hooks.journal = &run.journal;
-  std::optional<TimeLimit> limit;
-  if (fault.name == "interrupt") limit.emplace(1.0, run.interrupt);
-  if (phase == FaultPhase::kConnect) run.enter(FaultPhase::kConnect);
+  run.enter(FaultPhase::kConnect);
   std::optional<RunResult> result;
   try {
-    result = build_tower(cell, scene.catalogue, scene.robot, fault_build(scene.seed), hooks);
+    result = build_tower(cell, run.scene.catalogue, run.scene.robot, fault_build(run.scene.seed), hooks);
   } catch (const Endless& endless) {
     run.broken(7, endless.what());
   } catch (const std::exception& error) {
     run.broken(7, concat("escaped: ", error.what()));
   }
-  limit.reset();
+  run.limit.reset();
   throw_if_interrupted();
+  const auto struck_by = [&](const char* name) { return run.is(name) && run.wanted < FaultPhase::kVerify; };
   FaultOutcome& outcome = run.outcome;
   outcome.simulated = run.inner.clock.now();
   const Joints q = run.inner.arm.state().q;
@@ -564,10 +608,9 @@ FaultOutcome run_with_fault(const FaultScene& scene, const Fault& fault, FaultPh
   outcome.stopped = result->end == End::kStopped || result->end == End::kInterrupted;
   const std::size_t ends = all_of<RunEnded>(result->events).size();
   if (ends != 1 || result->ended.empty()) run.broken(4, concat(ends, " ends; reason: ", result->ended));
-  if (fault.name == "disk full" && run.struck && !outcome.stopped && phase < FaultPhase::kVerify)
+  if (struck_by("disk full") && !outcome.stopped)
     run.broken(4, "a run without a journal ended as " + outcome.end);
-  if (fault.name == "interrupt" && run.struck && result->end != End::kInterrupted &&
-      phase < FaultPhase::kVerify)
+  if (struck_by("interrupt") && result->end != End::kInterrupted)
     run.broken(4, "an interrupted run ended as " + outcome.end);
   if (!run.stop_seen.empty() && !outcome.stopped && run.stop_seen.find("gripper") == std::string::npos)
     run.broken(4, concat("stopped by '", run.stop_seen, "', ended as ", outcome.end));
@@ -575,8 +618,91 @@ FaultOutcome run_with_fault(const FaultScene& scene, const Fault& fault, FaultPh
   outcome.height = result->height;
   outcome.false_claim = false_claim(run, *result, run.world.truth());
   outcome.right =
-      outcome.height == static_cast<int>(scene.catalogue.stones.size()) && outcome.false_claim.empty();
+      outcome.height == static_cast<int>(run.scene.catalogue.stones.size()) && outcome.false_claim.empty();
   return outcome;
+}
+
+std::string to_json(const FaultOutcome& outcome) {
+  return json{{"reached", outcome.reached},
+              {"right", outcome.right},
+              {"stopped", outcome.stopped},
+              {"broken", outcome.broken},
+              {"end", outcome.end},
+              {"reason", outcome.reason},
+              {"height", outcome.height},
+              {"false_claim", outcome.false_claim},
+              {"simulated", outcome.simulated}}
+      .dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+FaultOutcome outcome_from(const ForkedRuns::Result& result) {
+  FaultOutcome outcome;
+  if (!result.problem.empty()) {
+    outcome.reached = true;
+    outcome.broken[6] = concat("the run's process: ", result.problem);
+    return outcome;
+  }
+  const json j = json::parse(result.text);
+  j.at("reached").get_to(outcome.reached), j.at("right").get_to(outcome.right);
+  j.at("stopped").get_to(outcome.stopped), j.at("broken").get_to(outcome.broken);
+  j.at("end").get_to(outcome.end), j.at("reason").get_to(outcome.reason);
+  j.at("height").get_to(outcome.height), j.at("false_claim").get_to(outcome.false_claim);
+  j.at("simulated").get_to(outcome.simulated);
+  return outcome;
+}
+
+/// The journal of such a run is written from its start.
+bool can_branch_off(const Fault& fault) {
+  return fault.name != "disk full";
+}
+
+}  // namespace
+
+void run_with_faults(const FaultScene& scene, std::vector<FaultCell>& cells, int at_once, bool from_start) {
+  // Copies of the process have one thread each, and so has what is copied.
+  const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+  {
+    FaultRun without_fault(scene, nullptr, FaultPhase::kConnect, fault_cell(scene.seed));
+    (void)finish(without_fault);  // grasps of the stones are found once, and kept for all copies
+  }
+  ForkedRuns runs(at_once, kDeadline);
+  std::vector<bool> started(cells.size(), false);
+  bool is_copy = false;
+  const auto is_started = [&](std::size_t k) {
+    started[k] = true;
+    is_copy = runs.start(k);
+    return is_copy;
+  };
+  // Of a copy this is the end.
+  const auto run_to_end = [&](FaultRun& run) {
+    std::string text;
+    try {
+      text = to_json(finish(run));
+    } catch (...) {
+      if (is_copy) ForkedRuns::fail();
+      throw;
+    }
+    if (!is_copy) return;
+    run.remove_journal();
+    runs.finish(text);
+  };
+  if (!from_start) {
+    FaultRun shared(scene, nullptr, FaultPhase::kConnect, fault_cell(scene.seed));
+    shared.branch = [&](FaultPhase phase) -> const FaultCell* {
+      if (is_copy || !ForkedRuns::is_possible()) return nullptr;
+      for (std::size_t k = 0; k < cells.size(); ++k)
+        if (!started[k] && cells[k].phase <= phase && can_branch_off(*cells[k].fault) && is_started(k))
+          return &cells[k];
+      return nullptr;
+    };
+    run_to_end(shared);
+  }
+  for (std::size_t k = 0; k < cells.size(); ++k)
+    if (!started[k] && is_started(k)) {
+      FaultRun run(scene, cells[k].fault, cells[k].phase, fault_cell(scene.seed));
+      run_to_end(run);
+    }
+  for (const auto& [k, result] : runs.wait()) cells[k].outcome = outcome_from(result);
 }
 
 }  // namespace stonestack::bench

@@ -63,7 +63,17 @@ struct FaultOutcome {
     return n;
   }
 };
-/// One run with one fault. A fault of the host's interrupt needs the process for itself.
-[[nodiscard]] FaultOutcome run_with_fault(const FaultScene& scene, const Fault& fault, FaultPhase phase);
+/// A fault and the phase at which it strikes.
+struct FaultCell {
+  const Fault* fault = nullptr;
+  FaultPhase phase = FaultPhase::kConnect;
+  FaultOutcome outcome;
+};
+/// Sets the outcomes of all cells. Until its fault strikes a run is like every other of its scene: one run
+/// without a fault goes through the phases, and at each the process is copied for the faults that strike
+/// there.
+/// @param at_once   runs at a time, 0: one a core
+/// @param from_start   each run is made from its start: the same outcomes, later
+void run_with_faults(const FaultScene& scene, std::vector<FaultCell>& cells, int at_once, bool from_start);
 
 }  // namespace stonestack::bench

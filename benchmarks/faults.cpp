@@ -6,7 +6,6 @@
 
 #include "bench.hpp"
 #include "fault_devices.hpp"
-#include "search/parallel.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 
@@ -15,13 +14,8 @@ namespace {
 
 struct FaultBench {
   int seed = 1, stones = 1, threads = 1;
+  bool from_start = false;
   std::vector<std::string> only, phases;
-};
-
-struct FaultCell {
-  const Fault* fault = nullptr;
-  FaultPhase phase = FaultPhase::kConnect;
-  FaultOutcome outcome;
 };
 
 bool is_asked_for(const std::vector<std::string>& wanted, const std::string& name) {
@@ -88,12 +82,7 @@ void measure_faults(const FaultBench& bench, Results& results) {
   require(!cells.empty(), "no such fault or phase");
   results.settings(
       {{"cells", cells.size()}, {"stones", stones.size()}, {"cell", "ideal"}, {"seed", bench.seed}});
-  const auto alone = std::stable_partition(cells.begin(), cells.end(),
-                                           [](const FaultCell& c) { return c.fault->name != "interrupt"; });
-  const auto run = [&](FaultCell& cell) { cell.outcome = run_with_fault(scene, *cell.fault, cell.phase); };
-  search::run_tasks(bench.threads, static_cast<std::size_t>(alone - cells.begin()),
-                    [&](std::size_t k) { run(cells[k]); });
-  std::for_each(alone, cells.end(), run);  // an interrupt is the whole process's
+  run_with_faults(scene, cells, bench.threads, bench.from_start);
 
   std::vector<std::pair<std::string, FaultCount>> by_class, by_phase;
   FaultCount all, passing;
@@ -132,6 +121,8 @@ void add_faults(CLI::App& app) {
   sub->add_option("--threads", bench->threads, "Runs at a time; 0: one a core")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
+  sub->add_flag("--from-start", bench->from_start,
+                "Make each run from its start, not from where its fault strikes: the same outcomes, later");
   sub->add_option("--only", bench->only, "Classes or faults, by their names")->delimiter(',');
   sub->add_option("--phase", bench->phases, "Phases, by their names")->delimiter(',');
   sub->footer(

@@ -32,8 +32,18 @@ void PadContact::collect(const Pose& T_P_O) {
     found.push_back(known ? *old : Bristle{sample});
   }
   bristles_ = std::move(found);
+  note_points();
   T_P_O_collected_ = T_P_O;
   collected_ = true;
+}
+
+void PadContact::note_points() {
+  x_O_.clear(), y_O_.clear(), z_O_.clear();
+  for (const Bristle& bristle : bristles_) {
+    const Eigen::Vector3d& p_O = shape_->samples[static_cast<std::size_t>(bristle.sample)].point;
+    x_O_.push_back(p_O.x()), y_O_.push_back(p_O.y()), z_O_.push_back(p_O.z());
+  }
+  depth_.resize(bristles_.size());
 }
 
 bool PadContact::near(const Pose& T_W_P, const Pose& T_W_O) {
@@ -61,13 +71,16 @@ PadLoad PadContact::press(const MovingFrame& pad, const MovingFrame& stone) {
   Eigen::Vector3d force_P = Eigen::Vector3d::Zero(), moment_P = Eigen::Vector3d::Zero();
   double normal = 0.0;
   int samples = 0;
-  for (auto& bristle : bristles_) {
-    const auto& sample = shape_->samples[static_cast<std::size_t>(bristle.sample)];
-    const double depth = -(n_O_P.dot(sample.point) + z_P_O);
+  for (std::size_t k = 0; k < bristles_.size(); ++k)  // several at once: most are not in the pad
+    depth_[k] = -(n_O_P.x() * x_O_[k] + (n_O_P.y() * y_O_[k] + n_O_P.z() * z_O_[k]) + z_P_O);
+  for (std::size_t k = 0; k < bristles_.size(); ++k) {
+    Bristle& bristle = bristles_[k];
+    const double depth = depth_[k];
     if (!(depth > 0)) {
       bristle.active = false;
       continue;
     }
+    const auto& sample = shape_->samples[static_cast<std::size_t>(bristle.sample)];
     const Eigen::Vector3d p_P = T_P_O * sample.point;
     const double slack = bristle.active ? kEdge : 0.0, facing = -n_O_P.dot(sample.normal);
     if (facing <= kMinFacing || std::abs(p_P.x()) >= half_length + slack ||

@@ -71,10 +71,13 @@ class PadContact {
     Eigen::Vector2d anchor = Eigen::Vector2d::Zero();  // in P
   };
   void collect(const Pose& T_P_O);
+  void note_points();
 
   const ContactShape* shape_;
   PadOptions options_;
-  std::vector<Bristle> bristles_;  // samples within reach, ascending
+  std::vector<Bristle> bristles_;        // samples within reach, ascending
+  std::vector<double> x_O_, y_O_, z_O_;  // m: their points
+  std::vector<double> depth_;            // m: how deep each lies in the pad
   Pose T_P_O_collected_ = Pose::Identity();
   bool collected_ = false;
   bool touching_ = false;

@@ -79,6 +79,7 @@ void PadContact::restore(const json& kept) {
     bristles_.push_back(
         {sample, true, b.at(1).get<double>(), {b.at(2).get<double>(), b.at(3).get<double>()}});
   }
+  note_points();
   collected_ = touching_ = false;  // the next step finds the others
 }
 

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "core/constants.hpp"
+#include "detection/scene/preprocess.hpp"
 #include "geometry/convex_pieces.hpp"
 #include "search/find_stack.hpp"
 #include "stacking/arrangement.hpp"
@@ -26,9 +27,10 @@ constexpr double kSamePlaceAround = 0.01;  // m about an object: what a view may
 std::vector<Eigen::Vector3d> surface_in(const Views& views, const DetectionOptions& options) {
   std::map<std::array<int, 3>, Eigen::Vector3d> cubes;
   for (const CameraView& view : views) {
-    const auto table_C = find_table(view.image, options);
+    const DepthImage depth = detection::smooth_depth(view.image, options);
+    const auto table_C = detection::find_table(depth, std::nullopt, options);
     if (!table_C) continue;
-    for (const Eigen::Vector3d& p_W : view_of_table(view.image, *table_C, view.T_W_C, options).above_W) {
+    for (const Eigen::Vector3d& p_W : detection::view_of_smooth_table(depth, *table_C, view.T_W_C).above_W) {
       const Eigen::Vector3d cube = (p_W / kCube).array().floor();
       cubes.try_emplace({static_cast<int>(cube.x()), static_cast<int>(cube.y()), static_cast<int>(cube.z())},
                         p_W);

@@ -33,6 +33,17 @@ TEST_F(BenchCommand, FaultsThatAreNotFatalEndWithTheRightTower) {
   EXPECT_EQ(totals[0]["of_these_ended_with_the_right_tower"], 3) << rows_of(done.data(), "not right").dump(1);
 }
 
+TEST_F(BenchCommand, FaultsEndAlikeWhereverTheRunsWereMade) {
+  const std::string some =
+      "faults --only 'stone moved,zero,interrupt' --phase connect,plan,transfer --threads 2 "
+      "--json";
+  const Outcome shared = run(some), whole = run(some + " --from-start");
+  ASSERT_EQ(shared.code, 0) << shared.err;
+  ASSERT_EQ(whole.code, 0) << whole.err;
+  EXPECT_EQ(rows_of(shared.data(), "totals")[0]["cells"], 9);
+  EXPECT_EQ(shared.data()["tables"], whole.data()["tables"]);
+}
+
 TEST_F(BenchCommand, FaultsRefuseAnUnknownName) {
   expect_refusal("faults --only nonsense", 2, {"no such fault"});
 }

@@ -51,6 +51,38 @@ bool plausible(const Plane& plane, const std::optional<Plane>& expected) {
   return plane.normal.dot(expected->normal) > 0.985 && std::abs(plane.offset - expected->offset) < 0.03;
 }
 
+/// Counts the points at a plane, coordinate by coordinate, so that the compiler can take several at once.
+class PointCounter {
+ public:
+  explicit PointCounter(const std::vector<Eigen::Vector3d>& points) {
+    for (const auto& p : points) x_.push_back(p.x()), y_.push_back(p.y()), z_.push_back(p.z());
+  }
+
+  /// Points within the tolerance; 0 if they are no more than `to_beat`, or if too many lie below.
+  [[nodiscard]] std::size_t inliers(const Plane& plane, std::size_t to_beat) const {
+    const double most_below = kMaxBelow * static_cast<double>(x_.size());
+    double inliers = 0.0, below = 0.0;
+    for (std::size_t start = 0; start < x_.size(); start += kAtOnce) {
+      const std::size_t end = std::min(start + kAtOnce, x_.size());
+      for (std::size_t i = start; i < end; ++i) {
+        // in the order of Plane::distance
+        const double d =
+            plane.normal.x() * x_[i] + (plane.normal.y() * y_[i] + plane.normal.z() * z_[i]) - plane.offset;
+        inliers += std::abs(d) < kTableTolerance ? 1.0 : 0.0;
+        below += d < -5.0 * kTableTolerance ? 1.0 : 0.0;
+      }
+      if (below > most_below ||
+          inliers + static_cast<double>(x_.size() - end) <= static_cast<double>(to_beat))
+        return 0;
+    }
+    return static_cast<std::size_t>(inliers);
+  }
+
+ private:
+  static constexpr std::size_t kAtOnce = 512;
+  std::vector<double> x_, y_, z_;
+};
+
 /// Smallest principal direction of the points near `p`; zero if they are too few or a line.
 Eigen::Vector3f local_normal(const PointGrid& grid, const std::vector<Eigen::Vector3f>& points,
                              const Eigen::Vector3f& p, float radius) {
@@ -167,6 +199,7 @@ std::optional<Plane> find_table(const DepthImage& depth, const std::optional<Pla
                                 const DetectionOptions& options) {
   const std::vector<Eigen::Vector3d> points = table_candidates(depth);
   if (points.size() < 30) return {};
+  const PointCounter counter(points);
   Random random = Random::stream(static_cast<std::uint64_t>(options.seed), "detection table");
   std::optional<Plane> best;
   std::size_t best_inliers = static_cast<std::size_t>(kTableShare * static_cast<double>(points.size()));
@@ -174,13 +207,7 @@ std::optional<Plane> find_table(const DepthImage& depth, const std::optional<Pla
     const auto plane = plane_through(points[random.index(points.size())], points[random.index(points.size())],
                                      points[random.index(points.size())]);
     if (!plane || !plausible(*plane, expected)) continue;
-    std::size_t inliers = 0, below = 0;
-    for (const auto& p : points) {
-      const double d = plane->distance(p);
-      inliers += std::abs(d) < kTableTolerance ? 1 : 0;
-      below += d < -5.0 * kTableTolerance ? 1 : 0;
-    }
-    if (static_cast<double>(below) > kMaxBelow * static_cast<double>(points.size())) continue;
+    const std::size_t inliers = counter.inliers(*plane, best_inliers);
     if (inliers > best_inliers) best = plane, best_inliers = inliers;
   }
   if (!best) return expected;

@@ -56,6 +56,10 @@ struct DetectionScene {
 /// Depths out of range vanish.
 [[nodiscard]] DepthImage smooth_depth(const DepthImage& raw, const DetectionOptions& options);
 
+/// `view_of_table` of an image that is smoothed already.
+[[nodiscard]] TableView view_of_smooth_table(const DepthImage& depth, const Plane& table_C,
+                                             const Pose& T_W_C);
+
 /// Why hardly any depth of an image lies within `nearest` and `farthest`, and what unit it may be in; empty
 /// if enough do.
 [[nodiscard]] std::string out_of_range(const DepthImage& image, const DetectionOptions& options);

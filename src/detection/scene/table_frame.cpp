@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 #include <utility>
@@ -39,23 +40,38 @@ Pose camera_over(const Plane& table_C) {
 
 TableView view_of_table(const DepthImage& image, const Plane& table_C, const Pose& T_W_C,
                         const DetectionOptions& options) {
+  return view_of_smooth_table(smooth_depth(image, options), table_C, T_W_C);
+}
+
+TableView view_of_smooth_table(const DepthImage& depth, const Plane& table_C, const Pose& T_W_C) {
   TableView view;
+  constexpr int kNone = std::numeric_limits<int>::min();
   std::set<std::pair<int, int>> cells;
   std::map<std::array<int, 3>, Eigen::Vector3d> cubes;
-  const DepthImage depth = smooth_depth(image, options);
+  // Neighbouring pixels mostly lie in one cell, and in one cube: these need not be searched again.
+  std::pair<int, int> last_cell{kNone, kNone};
+  std::array<int, 3> last_cube{kNone, kNone, kNone};
   for (int v = 0; v < depth.camera.height; ++v)
     for (int u = 0; u < depth.camera.width; ++u) {
       const double z = depth.at(u, v);
       if (z <= 0) continue;
       const Eigen::Vector3d p_C = z * deproject(depth.camera, u, v);
       const double height = table_C.distance(p_C);
+      const bool above = height > kAboveTable && height < kMaxHeight;
+      if (!above && !(std::abs(height) <= kTableTolerance)) continue;
       const Eigen::Vector3d p_W = T_W_C * p_C;
       const auto index = [&](int axis, double side) {
         return static_cast<int>(std::floor(p_W[axis] / side));
       };
-      if (height > kAboveTable && height < kMaxHeight)
-        cubes.try_emplace({index(0, kCube), index(1, kCube), index(2, kCube)}, p_W);
-      if (std::abs(height) <= kTableTolerance) cells.insert({index(0, view.cell), index(1, view.cell)});
+      if (above) {
+        const std::array cube{index(0, kCube), index(1, kCube), index(2, kCube)};
+        if (cube != last_cube) cubes.try_emplace(cube, p_W);
+        last_cube = cube;
+      } else {
+        const std::pair cell(index(0, view.cell), index(1, view.cell));
+        if (cell != last_cell) cells.insert(cell);
+        last_cell = cell;
+      }
     }
   for (const auto& [cube, p_W] : cubes) view.above_W.push_back(p_W);
   Eigen::AlignedBox2d box;
