@@ -1,3 +1,4 @@
+#include <functional>
 #include <iostream>
 #include <optional>
 
@@ -22,7 +23,10 @@ struct CalibrateCommand {
   bool force = false;
   HandEyeCalibrationOptions calibration;
   std::string out, cell, example, write_pairs;
-  std::string table;  ///< cell whose table is touched
+  std::string table;          ///< cell whose table is touched
+  std::string capture;        ///< cell whose arm takes the stations
+  std::vector<double> block;  ///< sides of the target [m]; empty: a stone
+  CaptureOptions stations;
   bool execute = false;
   SimulationOptions simulation;
 };
@@ -38,21 +42,13 @@ Pose simulated_mount(const CalibrateCommand& command) {
   return layout.T_F_T * layout.T_T_C;
 }
 
-HandEyeFile stations(const CalibrateCommand& command, const std::optional<Pose>& true_T_A_C) {
-  require(command.pairs_file.empty() == true_T_A_C.has_value(),
-          "give either a file of pairs or --simulate COUNT");
-  if (!true_T_A_C) return read_hand_eye_pairs(command.pairs_file);
-  const CameraMount mount = command.on_base ? CameraMount::kOnBase : CameraMount::kOnHand;
-  return {mount,
-          simulate_hand_eye(*true_T_A_C, mount, command.simulate, {},
-                            Random::stream(static_cast<std::uint64_t>(command.common.seed), "calibrate"))};
-}
-
 void write_result(const CalibrateCommand& command, const HandEyeCalibration& done) {
   if (command.out.empty() && command.cell.empty()) return;
   if (!done.uncertainty.empty() && !command.force)
     throw FileError(
-        command.pairs_file.empty() ? "--simulate" : command.pairs_file,
+        !command.capture.empty()     ? command.capture
+        : command.pairs_file.empty() ? "--simulate"
+                                     : command.pairs_file,
         concat("gives no calibration (", to_text(done.chosen.residual), "), so nothing was written to ",
                command.out, command.out.empty() || command.cell.empty() ? "" : " and ", command.cell),
         "check that each line holds one station's arm and target pose, in metres; --force writes it");
@@ -65,39 +61,76 @@ void write_result(const CalibrateCommand& command, const HandEyeCalibration& don
                     "; see what the camera makes of it: stonestack doctor --cell ", command.cell));
 }
 
-/// Touches the table of a cell whose devices are connected.
-TouchedTable touch_table_of(const CellConfig& cell) {
+/// Result of `work` with the connected devices of a cell, and its robot.
+template <class Work>
+auto with_devices_of(const CellConfig& cell, const Work& work) {
   const RobotModel robot = read_cell_robot(cell);
   HardwareCell hardware(cell);
   hardware.activate_gripper();
   Cell devices = hardware.cell();
-  return touch_table(devices, robot);
+  return work(devices, robot);
 }
 
-/// A real arm moves only with --execute.
-TouchedTable touch_table_of(const CalibrateCommand& command) {
-  CellFile file = read_cell(command.table);
+/// Result of `work` with the devices of a cell file. A real arm moves only with --execute.
+/// @param present   stones of `catalogue` in the field of a cell that is simulated here
+template <class Work>
+auto with_devices_of(const std::string& path, const CalibrateCommand& command, const std::string& prepared,
+                     const std::function<Catalogue()>& catalogue, const std::vector<StoneIndex>& present,
+                     const Work& work) {
+  CellFile file = read_cell(path);
   if (!file.simulate) {
     require_arm_address(file.cell());
-    require(command.execute, "--table ", command.table, " moves the robot at ", file.arm_address(),
-            ": clear the field of stones and the cell of people, empty the gripper, and add --execute");
-    return touch_table_of(file.cell());
+    require(command.execute, path, " moves the robot at ", file.arm_address(), ": ", prepared,
+            ", and add --execute");
+    return with_devices_of(file.cell(), work);
   }
-  const Catalogue catalogue = command.common.read();
+  const Catalogue known = catalogue();
   const RobotModel robot = read_robot(file.robot());
-  SimulatedCell world(catalogue.stones, {}, robot, true_layout(to_layout(file.cell()), file.servers()),
+  SimulatedCell world(known.stones, present, robot, true_layout(to_layout(file.cell()), file.servers()),
                       command.simulation);
   const SimulatedServers servers(world, robot, file.servers());
   connect_to(servers, file.cell());
   log_info("the devices of " + file.path + " are simulated here");
-  return touch_table_of(file.cell());
+  return with_devices_of(file.cell(), work);
 }
 
-void calibrate_table(CalibrateCommand& command) {
+void prepare(CalibrateCommand& command) {
   command.common.settings.apply(nest("simulation", fields(command.simulation)));
   command.simulation.seed = command.common.seed;
   if (!command.cell.empty()) require_writable(command.cell);
-  const TouchedTable table = touch_table_of(command);
+}
+
+HandEyeFile captured_stations(const CalibrateCommand& command) {
+  const Catalogue targets = command.block.empty()
+                                ? command.common.read()
+                                : block_target({command.block[0], command.block[1], command.block[2]});
+  const StoneIndex present =
+      command.stations.target.empty() ? 0_stone : targets.index(command.stations.target);
+  return with_devices_of(
+      command.capture, command, "lay the target into the middle of the field, clear the cell of people",
+      [&] { return targets; }, {present},
+      [&](Cell& cell, const RobotModel& robot) {
+        return capture_stations(cell, robot, targets, command.stations);
+      });
+}
+
+HandEyeFile stations(const CalibrateCommand& command, const std::optional<Pose>& true_T_A_C) {
+  if (!command.capture.empty()) return captured_stations(command);
+  require(command.pairs_file.empty() == true_T_A_C.has_value(),
+          "give either a file of pairs, --capture CELL or --simulate COUNT");
+  if (!true_T_A_C) return read_hand_eye_pairs(command.pairs_file);
+  const CameraMount mount = command.on_base ? CameraMount::kOnBase : CameraMount::kOnHand;
+  return {mount,
+          simulate_hand_eye(*true_T_A_C, mount, command.simulate, {},
+                            Random::stream(static_cast<std::uint64_t>(command.common.seed), "calibrate"))};
+}
+
+void calibrate_table(CalibrateCommand& command) {
+  prepare(command);
+  const TouchedTable table = with_devices_of(
+      command.table, command, "clear the field of stones and the cell of people, empty the gripper",
+      [&] { return command.common.read(); }, {},
+      [](Cell& cell, const RobotModel& robot) { return touch_table(cell, robot); });
   command.common.text() << to_text(table);
   if (command.common.json) std::cout << touched_table_json(table);
   if (!table.problems.empty() && !command.force)
@@ -111,8 +144,16 @@ void calibrate_table(CalibrateCommand& command) {
 
 void calibrate(CalibrateCommand& command) {
   require(command.table.empty() || command.pairs_file.empty(), "give either a file of pairs or --table CELL");
+  require(command.capture.empty() || command.pairs_file.empty(),
+          "give either a file of pairs or --capture CELL");
+  require(!command.execute || !command.table.empty() || !command.capture.empty(),
+          "--execute goes with --table CELL or --capture CELL");
+  require(command.block.empty() || command.stations.target.empty(), "give either --block or --target");
   if (!command.table.empty()) return calibrate_table(command);
-  command.common.settings.apply({});
+  if (command.capture.empty())
+    command.common.settings.apply({});
+  else
+    prepare(command);
   std::optional<Pose> true_T_A_C;
   if (command.simulate > 0) true_T_A_C = simulated_mount(command);
   const HandEyeFile file = stations(command, true_T_A_C);
@@ -142,7 +183,23 @@ void add_calibrate(CLI::App& app) {
                "Touch the table of this cell at three points, and compare it with what the camera sees",
                "CELL")
           ->excludes(simulate);
-  sub.add_flag("--execute", command.execute, "Yes, move the real robot that --table names")->needs(table);
+  CLI::Option* capture =
+      add_path(sub, "--capture", command.capture,
+               "Let the arm of this cell drive to the stations, at 0.25 m/s at most", "CELL")
+          ->excludes(simulate)
+          ->excludes(table);
+  sub.add_option("--stations", command.stations.stations, "Stations to take")
+      ->check(CLI::Range(4, 100))
+      ->capture_default_str()
+      ->needs(capture);
+  sub.add_option("--target", command.stations.target,
+                 "Stone of the catalogue that lies in the field (default: the one nearest to its middle)")
+      ->needs(capture);
+  sub.add_option("--block", command.block, "A block as the target: its three sides, metres")
+      ->delimiter(',')
+      ->expected(3)
+      ->needs(capture);
+  sub.add_flag("--execute", command.execute, "Yes, move the real robot of --table or --capture");
   sub.add_option("--method", command.calibration.method, "Method whose result is written")
       ->check(CLI::IsMember({"joint", "tsai_lenz", "park_martin", "daniilidis"}))
       ->capture_default_str();
@@ -162,7 +219,9 @@ void add_calibrate(CLI::App& app) {
       "  stonestack calibrate pairs.yaml --out ur10_sr300.yaml\n"
       "  stonestack calibrate pairs.yaml --write my_lab.yaml && stonestack doctor --cell my_lab.yaml\n"
       "  stonestack calibrate pairs.yaml --check ~/.ros/easy_handeye/ur10_sr300.yaml\n"
+      "  stonestack calibrate --capture my_lab.yaml --block 0.16,0.10,0.04 --execute --write my_lab.yaml\n"
       "  stonestack calibrate --table my_lab.yaml --execute --write my_lab.yaml\n"
+      "--capture: a stone of the catalogue, or a block, lies in the middle of the field and is left alone.\n"
       "--table: the field is clear and the gripper empty. The gripper opens, the camera views the field, "
       "and\n"
       "the open fingers go down at 10 mm/s until the wrist feels the table. Exit code 6 and nothing written\n"

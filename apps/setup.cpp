@@ -34,9 +34,9 @@ void setup(SetupCommand& command) {
         << " mm at full stretch\n";
   for (const std::string& note : made.notes) out << "note: " << note << '\n';
   out << made.path << " is written. Next: check its lines, then\n  stonestack doctor --cell " << made.path
-      << "\n  stonestack calibrate STATIONS --write " << made.path << "\n  stonestack calibrate --table "
-      << made.path << " --execute --write " << made.path << "\n  stonestack run --cell " << made.path
-      << " --dry-run\n";
+      << "\n  stonestack calibrate --capture " << made.path << " --execute --write " << made.path
+      << "\n  stonestack calibrate --table " << made.path << " --execute --write " << made.path
+      << "\n  stonestack run --cell " << made.path << " --dry-run\n";
   if (command.json) std::cout << new_cell_json(made, controller);
 }
 

@@ -18,6 +18,7 @@ void measure_by(CLI::App& sub, std::function<void(Results&)> measure);
 void measure_draws_by(CLI::App& sub, std::function<void(Results&, Draws&)> measure);
 
 void add_faults(CLI::App& app);
+void add_mount(CLI::App& app);
 void add_kinematics(CLI::App& app);
 void add_modelling(CLI::App& app);
 void add_motion(CLI::App& app);

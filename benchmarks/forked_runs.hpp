@@ -10,7 +10,7 @@
 
 namespace stonestack::bench {
 
-/// Copies of this process, each of which goes on by itself and hands back one text. Work that many runs
+/// Copies of this process, each of which goes on by itself and returns one text. Work that many runs
 /// share is done once: the process is copied where they part. POSIX fork(2) copies the calling thread only,
 /// so that there must be no other.
 class ForkedRuns {
@@ -34,7 +34,7 @@ class ForkedRuns {
 
   /// How a copy ended.
   struct Result {
-    std::string text;     ///< what it handed back
+    std::string text;     ///< what it returned
     std::string problem;  ///< why there is no such text; empty: there is
   };
   /// Results of all copies by their numbers, once all have ended.

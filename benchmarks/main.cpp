@@ -24,7 +24,7 @@ void set_up(CLI::App& app) {
         add_timing,    add_descent,      add_rtde,     add_results,     add_site,        add_structures,
         add_walls,     add_tasks,        add_problems, add_solve,       add_score,       add_grippers,
         add_modelling, add_schedule,     add_soak,     add_resume,      add_push,        add_faults,
-        add_sensors})
+        add_sensors,   add_mount})
     add(app);
 }
 

@@ -35,7 +35,7 @@ struct GivenMount {
 };
 
 const std::string kHandEye = "hand-eye calibration";
-const std::string kCalibrate = "calibrate: `stonestack calibrate PAIRS --write CELL`";
+const std::string kCalibrate = "calibrate: `stonestack calibrate --capture CELL --execute --write CELL`";
 
 /// "camera 0.17 m behind the finger tips, 0.11 m aside"
 std::string place_of(const Pose& T_T_C) {

@@ -15,6 +15,7 @@
 #include "stacking/arrangement.hpp"
 #include "stacking/back_away.hpp"
 #include "stacking/constants.hpp"
+#include "stacking/measuring_motion.hpp"
 #include "stacking/mount_correction.hpp"
 #include "stacking/plan_executor.hpp"
 #include "stacking/unknown_objects.hpp"
@@ -236,16 +237,6 @@ std::vector<Eigen::Vector2d> bare_places(const TableView& view, double radius) {
   return some;
 }
 
-/// The arm has ended a motion otherwise than asked.
-[[noreturn]] void report_stop(Cell& cell, const std::string& reason) {
-  if (!cell.arm.state().can_move)
-    throw Error("arm: stopped: " + reason + "; look at the cell, then `stonestack rearm CELL`",
-                ExitCode::kSafetyStop);
-  throw DeviceError(
-      "arm", "did not carry out a motion: " + reason,
-      "look at the cell; a motion that is refused may leave the limits or the fence of the cell");
-}
-
 /// Devices and what is known of the cell, until the table is found.
 class TableToucher {
  public:
@@ -419,12 +410,12 @@ class TableToucher {
                                       found.apart.height > 0 ? "above" : "below",
                                       " where the fingers touch it: measure from the flange to the finger "
                                       "tips (layout.T_F_T), then calibrate the "
-                                      "camera with `stonestack calibrate STATIONS --write CELL`"));
+                                      "camera with `stonestack calibrate --capture CELL`"));
     if (found.apart.tilt > kAgreement.tilt)
       found.problems.push_back(concat(
           "the camera sees the table tilted by ", std::lround(found.apart.tilt / kDegree * 10) / 10.0,
           " deg against the touched plane: see that it sits firmly, then calibrate it with `stonestack "
-          "calibrate STATIONS --write CELL`"));
+          "calibrate --capture CELL`"));
   }
 
   Cell& cell_;
@@ -446,18 +437,18 @@ nlohmann::json json_of(const TableLevel& level) {
 
 }  // namespace
 
+void report_stop(Cell& cell, const std::string& reason) {
+  if (!cell.arm.state().can_move)
+    throw Error("arm: stopped: " + reason + "; look at the cell, then `stonestack rearm CELL`",
+                ExitCode::kSafetyStop);
+  throw DeviceError(
+      "arm", "did not carry out a motion: " + reason,
+      "look at the cell; a motion that is refused may leave the limits or the fence of the cell");
+}
+
 TouchedTable touch_table(Cell& cell, const RobotModel& robot) {
   TableToucher toucher(cell, robot);
-  try {
-    return toucher.run();
-  } catch (...) {  // stopped at once, whatever it was
-    try {
-      cell.arm.stop();
-    } catch (const Error& problem) {
-      log_warning(problem.what());
-    }
-    throw;
-  }
+  return stopping_on_failure(cell, [&] { return toucher.run(); });
 }
 
 std::string to_text(const TouchedTable& table) {

@@ -2,6 +2,9 @@
 #include <sstream>
 
 #include "commands.hpp"
+#include "core/constants.hpp"
+#include "stonestack/emulators/simulated_servers.hpp"
+#include "stonestack/hardware/cell_file.hpp"
 
 namespace stonestack {
 namespace {
@@ -126,6 +129,30 @@ TEST_F(TableCommand, MovesNoRealArmUnlessRequested) {
   expect_refusal("calibrate --table nowhere.yaml", 3, {"nowhere.yaml"});
 }
 
+TEST_F(TableCommand, TheArmTakesTheStationsAndTheMountIsWritten) {
+  write_cell(0.012);
+  const Outcome done =
+      run("calibrate --capture cell.yaml --stations 8 --block 0.12,0.08,0.05 --write cell.yaml --json "
+          "--set simulation.hand_eye_translation=0 --set simulation.hand_eye_rotation=0");
+  ASSERT_EQ(done.code, 0) << done.err;
+  EXPECT_THAT(done.err, testing::AllOf(HasSubstr("block is the target"), HasSubstr("station 8 of 8"),
+                                       HasSubstr("wrote layout.T_T_C")));
+  const emulators::CellFile written = emulators::read_cell(folder_ + "/cell.yaml");
+  const PoseDifference off = difference(to_layout(written.cell()).T_T_C, CellLayout{}.T_T_C);
+  EXPECT_LT(off.translation, 0.002) << cell();
+  EXPECT_LT(off.angle, 0.3 * kDegree) << cell();
+}
+
+TEST_F(TableCommand, TheArmTakesNoStationsUnlessRequested) {
+  write("lab.yaml", "arm: {address: 192.0.2.1}\n");
+  expect_refusal("calibrate --capture lab.yaml", 2, {"192.0.2.1", "--execute", "lay the target"});
+  expect_refusal("calibrate --capture lab.yaml --execute --block 0.1,0.1,0.05", 2, {"sides", "differ"});
+  expect_refusal("calibrate --capture lab.yaml --execute --block 0.1,0.1", 2, {"--block"});
+  expect_refusal("calibrate --capture lab.yaml --target granite", 2, {"granite"});
+  expect_refusal("calibrate --capture lab.yaml pairs.yaml", 2, {"--capture"});
+  expect_refusal("calibrate --stations 8 pairs.yaml", 2, {"--stations", "--capture"});
+}
+
 TEST_F(TableCommand, TouchesTheTableAndWritesTheBase) {
   write_cell(0.0);
   const Outcome done =
@@ -150,7 +177,7 @@ TEST_F(TableCommand, WritesNothingWhereTouchAndCameraDisagree) {
   EXPECT_THAT(
       done.out,
       testing::AllOf(testing::ContainsRegex("FAIL  the camera sees the table (1[5-9]|2[0-4]) mm above"),
-                     HasSubstr("stonestack calibrate STATIONS")));
+                     HasSubstr("stonestack calibrate --capture CELL")));
   EXPECT_THAT(done.err, testing::AllOf(HasSubstr("disagree"), HasSubstr("nothing was written")));
   EXPECT_EQ(cell(), before);
 }

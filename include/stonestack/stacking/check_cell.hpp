@@ -7,6 +7,8 @@
 
 #include "stonestack/geometry/depth_image.hpp"
 #include "stonestack/hardware/cell_file.hpp"
+#include "stonestack/kinematics/hand_eye.hpp"
+#include "stonestack/stone/catalogue.hpp"
 
 #pragma GCC visibility push(default)
 
@@ -111,6 +113,29 @@ struct TouchedTable {
 [[nodiscard]] std::string to_text(const TouchedTable& table);
 /// JSON text of schema stonestack.table/1.
 [[nodiscard]] std::string touched_table_json(const TouchedTable& table);
+
+/// Options of `capture_stations`.
+struct CaptureOptions {
+  int stations = 15;  ///< views of the target to take, at least 4
+  std::string
+      target;  ///< name of the target; empty: of those that are found the nearest to the field's middle
+};
+/// Stations of a hand-eye calibration that the arm drives to by itself. The target, a stone or a block of
+/// known shape, lies in the field and is left alone: it is found in a view of the field, and then viewed from
+/// all sides, 0.45 to 0.6 m away and up to 40 deg off the vertical, with the camera turned about its axis.
+/// The gripper stays above the unknown field, and the tool is never faster than 0.25 m/s. The present mount
+/// of the layout, from a drawing or measured by a tape, may be wrong by some centimetres and 10 deg. A view
+/// that cannot be reached, or does not show the target, is left out. B of the stations is the target's own
+/// frame.
+/// @param targets   shapes that may lie in the field
+/// @throws DeviceError, with the remedy, for a target that is not found, too few views, and after 15 minutes;
+/// Error (safety stop) when the arm is stopped; InvalidArgument for an unknown target; Interrupted
+[[nodiscard]] HandEyeFile capture_stations(Cell& cell, const RobotModel& robot, const Catalogue& targets,
+                                           const CaptureOptions& options = {});
+/// A block as the target of a calibration where no stone was scanned: its three sides [m].
+/// @throws InvalidArgument for sides under 20 mm or over 0.5 m, or two that differ by less than 10 mm: the
+/// sides are what its pose is told by
+[[nodiscard]] Catalogue block_target(const Eigen::Vector3d& sides);
 
 }  // namespace stonestack::stacking
 

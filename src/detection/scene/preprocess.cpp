@@ -60,7 +60,7 @@ class PointCounter {
 
   /// Points within the tolerance; 0 if they are no more than `to_beat`, or if too many lie below.
   [[nodiscard]] std::size_t inliers(const Plane& plane, std::size_t to_beat) const {
-    const double most_below = kMaxBelow * static_cast<double>(x_.size());
+    const double max_below = kMaxBelow * static_cast<double>(x_.size());
     double inliers = 0.0, below = 0.0;
     for (std::size_t start = 0; start < x_.size(); start += kAtOnce) {
       const std::size_t end = std::min(start + kAtOnce, x_.size());
@@ -71,7 +71,7 @@ class PointCounter {
         inliers += std::abs(d) < kTableTolerance ? 1.0 : 0.0;
         below += d < -5.0 * kTableTolerance ? 1.0 : 0.0;
       }
-      if (below > most_below ||
+      if (below > max_below ||
           inliers + static_cast<double>(x_.size() - end) <= static_cast<double>(to_beat))
         return 0;
     }
