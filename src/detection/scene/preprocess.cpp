@@ -71,8 +71,7 @@ class PointCounter {
         inliers += std::abs(d) < kTableTolerance ? 1.0 : 0.0;
         below += d < -5.0 * kTableTolerance ? 1.0 : 0.0;
       }
-      if (below > max_below ||
-          inliers + static_cast<double>(x_.size() - end) <= static_cast<double>(to_beat))
+      if (below > max_below || inliers + static_cast<double>(x_.size() - end) <= static_cast<double>(to_beat))
         return 0;
     }
     return static_cast<std::size_t>(inliers);
