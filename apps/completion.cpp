@@ -72,7 +72,7 @@ void add_completion(CLI::App& app) {
                             setting_names(), c.folder);
       });
   pages.add_option("FOLDER", target.folder, "Folder to write to")->required();
-  pages.add_option("DATE", target.date, "Date of the pages, 2026-11-21")->required();
+  pages.add_option("DATE", target.date, "Date of the pages, 2025-01-01")->required();
   pages.group("");
   command.program = target.program = &app;
 }

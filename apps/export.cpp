@@ -42,9 +42,9 @@ void add_export(CLI::App& app) {
   sub.footer(
       "Prints the paths of the files. Stones are where they were measured last.\n"
       "Examples:\n"
-      "  stonestack export runs/20261121-143000-seed1 --to glb\n"
-      "  stonestack export runs/20261121-143000-seed1 --to compas --out assembly\n"
-      "  stonestack export runs/20261121-143000-seed1 --to mcap --out /tmp/run");
+      "  stonestack export runs/20250101-143000-seed1 --to glb\n"
+      "  stonestack export runs/20250101-143000-seed1 --to compas --out assembly\n"
+      "  stonestack export runs/20250101-143000-seed1 --to mcap --out /tmp/run");
 }
 
 }  // namespace stonestack::apps

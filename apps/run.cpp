@@ -187,7 +187,7 @@ void add_run(CLI::App& app) {
       "  stonestack run --robot ur10 --cell my_lab.yaml --dry-run\n"
       "  stonestack run --robot ur10 --cell my_lab.yaml --execute --slow --step\n"
       "  stonestack run --robot ur10 --view\n"
-      "  stonestack run --resume runs/20261126-101500-seed1\n"
+      "  stonestack run --resume runs/20250101-101500-seed1\n"
       "  stonestack run --catalogue rocks --set search.friction=0.3 --set simulation.friction=0.4");
 }
 

@@ -33,7 +33,7 @@ std::string checksum(std::string_view content) {
   return text;
 }
 
-/// "2026-11-21T14:30:00.123Z"
+/// "2025-01-01T14:30:00.123Z"
 std::string now_text() {
   using namespace std::chrono;
   const auto now = system_clock::now().time_since_epoch();
