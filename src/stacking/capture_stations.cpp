@@ -20,8 +20,6 @@ namespace {
 constexpr double kCaptureSpeed = 0.25;  // m/s, of the tool: as in a cell's first run
 constexpr double kCaptureTime = 900.0;  // s, for all of it
 constexpr int kFewestStations = 4;      // that fix a mount with something left over
-constexpr double kOutlier = 3.0;        // times the median
-constexpr double kArm = 0.1;            // m: a turn counts as the shift of a point so far from the target
 constexpr int kTriesEach = 4;           // directions tried for each station
 constexpr double kSameTarget = 0.10;    // m beside where the first view had it: another thing was found
 constexpr double kSameTurn = 0.6;       // rad, likewise
@@ -31,41 +29,6 @@ constexpr double kTilts[] = {20.0, 40.0, 30.0, 5.0};  // degrees off the vertica
 constexpr double kTurnBetween = 100.0;  // degrees about the optical axis, from station to station
 constexpr double kShortestSide = 0.020, kLongestSide = 0.50, kSidesDiffer = 0.010;  // m, of a block
 constexpr double kBlockDensity = 700.0;                                             // kg/m^3: wood
-
-/// Median of distances or angles.
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + std::ssize(values) / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-/// Leaves out views in which the target was found more than three times the median beside where the view has
-/// it that agrees best with the others: one that shows a face of a block alone, for example. A third of them
-/// at most.
-void leave_out_outliers(std::vector<HandEyePair>& pairs) {
-  const Pose T_F_C = calibrate_hand_eye(pairs, CameraMount::kOnHand).solutions.front().T_A_C;
-  std::vector<Pose> T_R_B;
-  for (const HandEyePair& pair : pairs) T_R_B.push_back(pair.T_R_F * T_F_C * pair.T_C_B);
-  std::vector<double> off;  // m, of each station
-  double limit = 0.0;
-  for (const Pose& middle : T_R_B) {
-    std::vector<double> from_it;
-    for (const Pose& T : T_R_B) {
-      const PoseDifference beside = difference(T, middle);
-      from_it.push_back(beside.translation + kArm * beside.angle);
-    }
-    const double farthest = kOutlier * median(from_it);
-    if (off.empty() || farthest < limit) off = from_it, limit = farthest;
-  }
-  std::vector<HandEyePair> kept;
-  for (std::size_t k = 0; k < pairs.size(); ++k)
-    if (off[k] <= limit) kept.push_back(pairs[k]);
-  if (kept.size() == pairs.size() || std::ssize(kept) < kFewestStations || 3 * kept.size() < 2 * pairs.size())
-    return;
-  log_info(concat(pairs.size() - kept.size(), " of ", pairs.size(),
-                  " stations are left out: the target was seen beside where the others have it"));
-  pairs = std::move(kept);
-}
 
 /// Camera poses of one station, the wanted turn about the optical axis first.
 std::vector<Pose> station_poses(int number, const Eigen::Vector3d& p_W_target) {
@@ -121,7 +84,6 @@ class StationCapture {
                  options_.stations, " are wanted"),
           "lay the target into the middle of the field, where the arm can view it from all sides, "
           "and see `stonestack view CELL` about reach and limits");
-    leave_out_outliers(file.pairs);
     return file;
   }
 

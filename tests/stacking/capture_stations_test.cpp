@@ -75,36 +75,6 @@ TEST(CaptureStations, MeasuresTheMountWithABlock) {
   EXPECT_LT(off.angle, 0.25 * kDegree);
 }
 
-/// Camera before which the first stone lies 20 mm and 8 deg beside its place in every fifth frame.
-struct DeceivedCamera : DepthCamera {
-  SimulatedCell& world;
-  DepthCamera& camera;
-  int frames = 0;
-  DeceivedCamera(SimulatedCell& w, DepthCamera& inner) : world(w), camera(inner) {}
-  DepthFrame capture() override {
-    if (++frames % 5 != 0) return camera.capture();
-    const Pose T_W_O = world.truth().T_W_O[0];
-    world.place(0_stone, Eigen::Translation3d(0.02, 0.0, 0.0) * T_W_O *
-                             Eigen::AngleAxisd(8.0 * kDegree, Eigen::Vector3d::UnitZ()));
-    DepthFrame frame = camera.capture();
-    world.place(0_stone, T_W_O);
-    return frame;
-  }
-};
-
-TEST(CaptureStations, ViewsThatShowTheTargetBesideWhereTheOthersHaveItAreLeftOut) {
-  CaptureCell in(read_catalogue(data_path("stones")));
-  DeceivedCamera camera(in.world, in.devices.camera);
-  Cell cell{in.arm, in.devices.gripper, in.devices.force_torque,
-            camera, in.devices.clock,   measured_by_tape()};
-  const HandEyeFile stations = capture_stations(cell, in.robot, in.targets, {14, ""});
-  EXPECT_GE(camera.frames, 15);
-  EXPECT_EQ(stations.pairs.size(), 11U);
-  const PoseDifference off = left_over(stations);
-  EXPECT_LT(off.translation, 0.0015);
-  EXPECT_LT(off.angle, 0.25 * kDegree);
-}
-
 TEST(CaptureStations, AnEmptyFieldSaysWhatToDo) {
   CaptureCell in(read_catalogue(data_path("stones")), {});
   EXPECT_THAT(in.problem({12, ""}),
