@@ -51,7 +51,10 @@ void write_result(const CalibrateCommand& command, const HandEyeCalibration& don
                                      : command.pairs_file,
         concat("gives no calibration (", to_text(done.chosen.residual), "), so nothing was written to ",
                command.out, command.out.empty() || command.cell.empty() ? "" : " and ", command.cell),
-        "check that each line holds one station's arm and target pose, in metres; --force writes it");
+        concat(command.capture.empty()
+                   ? "check that each line holds one station's arm and target pose, in metres"
+                   : "take a scanned stone or a larger block as the target, and leave it alone",
+               "; --force writes it"));
   if (!command.out.empty()) {
     write_calibration(command.out, done, command.example);
     log_info("wrote " + command.out);
@@ -94,10 +97,12 @@ auto with_devices_of(const std::string& path, const CalibrateCommand& command, c
   return with_devices_of(file.cell(), work);
 }
 
+/// Reads the options, and sees that the result can be kept, before an arm moves.
 void prepare(CalibrateCommand& command) {
   command.common.settings.apply(nest("simulation", fields(command.simulation)));
   command.simulation.seed = command.common.seed;
-  if (!command.cell.empty()) require_writable(command.cell);
+  for (const std::string& path : {command.cell, command.out, command.write_pairs})
+    if (!path.empty()) require_writable(path);
 }
 
 HandEyeFile captured_stations(const CalibrateCommand& command) {
@@ -177,7 +182,7 @@ void add_calibrate(CLI::App& app) {
   CLI::Option* simulate =
       sub.add_option("--simulate", command.simulate, "Simulate that many stations in place of a file")
           ->check(CLI::Range(3, 1000));
-  sub.add_flag("--on-base", command.on_base, "Simulate a camera beside the arm");
+  CLI::Option* on_base = sub.add_flag("--on-base", command.on_base, "Simulate a camera beside the arm");
   CLI::Option* table =
       add_path(sub, "--table", command.table,
                "Touch the table of this cell at three points, and compare it with what the camera sees",
@@ -187,6 +192,7 @@ void add_calibrate(CLI::App& app) {
       add_path(sub, "--capture", command.capture,
                "Let the arm of this cell drive to the stations, at 0.25 m/s at most", "CELL")
           ->excludes(simulate)
+          ->excludes(on_base)
           ->excludes(table);
   sub.add_option("--stations", command.stations.stations, "Stations to take")
       ->check(CLI::Range(4, 100))

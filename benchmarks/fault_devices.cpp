@@ -666,7 +666,7 @@ void run_with_faults(const FaultScene& scene, std::vector<FaultCell>& cells, int
     (void)finish(without_fault);  // grasps of the stones are found once, and kept for all copies
   }
   ForkedRuns runs(at_once, kDeadline);
-  std::vector<bool> started(cells.size(), false);
+  std::vector<bool> started(cells.size(), false), from_its_start(cells.size(), false);
   bool is_copy = false;
   const auto is_started = [&](std::size_t k) {
     started[k] = true;
@@ -689,10 +689,14 @@ void run_with_faults(const FaultScene& scene, std::vector<FaultCell>& cells, int
   if (!from_start) {
     FaultRun shared(scene, nullptr, FaultPhase::kConnect, fault_cell(scene.seed));
     shared.branch = [&](FaultPhase phase) -> const FaultCell* {
-      if (is_copy || !ForkedRuns::is_possible()) return nullptr;
-      for (std::size_t k = 0; k < cells.size(); ++k)
-        if (!started[k] && cells[k].phase <= phase && can_branch_off(*cells[k].fault) && is_started(k))
-          return &cells[k];
+      if (is_copy) return nullptr;
+      const bool possible = ForkedRuns::is_possible();
+      for (std::size_t k = 0; k < cells.size(); ++k) {
+        if (started[k] || from_its_start[k] || cells[k].phase > phase) continue;
+        // Later it would strike too late.
+        from_its_start[k] = !possible || !can_branch_off(*cells[k].fault);
+        if (!from_its_start[k] && is_started(k)) return &cells[k];
+      }
       return nullptr;
     };
     run_to_end(shared);

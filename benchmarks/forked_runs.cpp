@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <filesystem>
 #include <thread>
@@ -19,6 +20,7 @@
 namespace stonestack::bench {
 namespace {
 
+constexpr int kTurnsToWait = 1000;      // of a millisecond
 constexpr int kPollMilliseconds = 200;  // between two looks at deadlines and Ctrl-C
 
 }  // namespace
@@ -43,6 +45,10 @@ bool ForkedRuns::is_possible() {
 
 bool ForkedRuns::start(std::size_t run) {
   wait_until_fewer_than(at_once_);
+  // The system lists a thread for a moment after it was joined.
+  for (int turn = 0; turn < kTurnsToWait && !is_possible(); ++turn)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  require(is_possible(), "a process with several threads cannot be copied");
   int ends[2];
   require(::pipe2(ends, O_CLOEXEC) == 0, "no pipe for a copy of the process: ", std::strerror(errno));
   const pid_t process = ::fork();

@@ -24,7 +24,7 @@ class ForkedRuns {
   /// Whether this process has one thread.
   [[nodiscard]] static bool is_possible();
   /// Copies the process, once fewer than `at_once` copies live. True in the copy, which is to call `finish`.
-  /// @throws Error if the process cannot be copied; Interrupted on Ctrl-C
+  /// @throws InvalidArgument if the process cannot be copied, or has other threads; Interrupted on Ctrl-C
   [[nodiscard]] bool start(std::size_t run);
   /// Ends the copy; destructors of what lives are not called.
   [[noreturn]] void finish(const std::string& text);

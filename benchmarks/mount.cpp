@@ -1,12 +1,11 @@
 // How well does the arm measure its camera's mount by itself? The simulated camera sits where the layout has
 // it; the calibration starts from a mount that is some centimetres and degrees off.
-#include <algorithm>
-#include <array>
 #include <memory>
 #include <vector>
 
 #include "bench.hpp"
 #include "core/constants.hpp"
+#include "core/quantile.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
@@ -22,13 +21,6 @@ struct MountBench {
   std::vector<double> block;
   double shift = 0.020, turn = 5.0;  // m, deg
 };
-
-/// Quantile of values that are there.
-double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0.0;
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
-}
 
 struct MountErrors {
   std::vector<double> millimetres, degrees;
@@ -62,7 +54,6 @@ void measure_mounts(const MountBench& bench, Results& results) {
   const CellLayout truth;
   MountErrors before, after;
   std::vector<double> seconds;
-  int failed = 0;
   std::vector<std::pair<int, std::string>> failures;
   for (int run = 0; run < bench.runs; ++run) {
     throw_if_interrupted();
@@ -90,7 +81,6 @@ void measure_mounts(const MountBench& bench, Results& results) {
       after.add(difference(done.chosen.T_A_C, T_F_C));
       seconds.push_back(devices.clock.now() - start);
     } catch (const DeviceError& error) {
-      ++failed;
       failures.emplace_back(run, error.what());
     }
   }
@@ -105,8 +95,9 @@ void measure_mounts(const MountBench& bench, Results& results) {
   results.row(after.row("after"));
   results.table("no result", {{"run"}, {"why"}});
   for (const auto& [run, why] : failures) results.row({run, why});
-  results.figures("totals",
-                  {{"runs", bench.runs}, {"no_result", failed}, {"median_s", quantile(seconds, 0.5), 0}});
+  results.figures(
+      "totals",
+      {{"runs", bench.runs}, {"no_result", failures.size()}, {"median_s", quantile(seconds, 0.5), 0}});
 }
 
 }  // namespace

@@ -2,22 +2,15 @@
 #include <cmath>
 
 #include "core/constants.hpp"
-#include "stacking/arrangement.hpp"
-#include "stacking/back_away.hpp"
-#include "stacking/constants.hpp"
 #include "stacking/gripper_mass.hpp"
 #include "stacking/measuring_motion.hpp"
-#include "stonestack/core/error.hpp"
-#include "stonestack/core/log.hpp"
 #include "stonestack/detection/detect_stones.hpp"
-#include "stonestack/stacking/build_tower.hpp"
 #include "stonestack/stacking/check_cell.hpp"
 #include "stonestack/stacking/observe.hpp"
 
 namespace stonestack::stacking {
 namespace {
 
-constexpr double kCaptureSpeed = 0.25;  // m/s, of the tool: as in a cell's first run
 constexpr double kCaptureTime = 900.0;  // s, for all of it
 constexpr int kFewestStations = 4;      // that fix a mount with something left over
 constexpr int kTriesEach = 4;           // directions tried for each station
@@ -51,19 +44,13 @@ class StationCapture {
       : cell_(cell), robot_(robot), targets_(targets), options_(options), models_(targets.stones) {
     require(options.stations >= kFewestStations, "a calibration takes at least ", kFewestStations,
             " stations, asked for ", options.stations);
-    motion_.tool_speed = std::min(motion_.tool_speed, kCaptureSpeed);
-    motion_.near_speed = std::min(motion_.near_speed, kCaptureSpeed);
   }
 
   [[nodiscard]] HandEyeFile run() {
     if (!options_.target.empty()) target_ = targets_.index(options_.target);
     const GripperModel gripper = gripper_of(cell_.layout);
     set_payload(cell_.arm, carried_gripper_mass(gripper, cell_.layout));
-    PlanningScene scene = make_planning_scene(cell_.layout, robot_, {}, {});
-    scene.opening = present_opening(cell_, scene.gripper);
-    scene.objects.push_back(unseen_field(cell_.layout));
-    scene.objects.push_back(unseen_site(cell_.layout));
-    (void)back_away(cell_, scene, motion_, [] {});
+    const PlanningScene scene = unknown_scene(cell_, robot_);
     find_target(scene);
     HandEyeFile file{CameraMount::kOnHand, {}};
     const int tries = kTriesEach * options_.stations;
@@ -71,7 +58,8 @@ class StationCapture {
       check_time();
       const auto route = plan_route_to_view(cell_, scene, station_poses(k, T_W_B_.translation()), motion_);
       if (!route) continue;
-      const CameraView view = drive(*route);
+      ++views_;
+      const CameraView view = view_after(cell_, robot_, *route);
       const auto T_C_B = target_in(view);
       if (!T_C_B) continue;
       file.pairs.push_back({flange_of(view), *T_C_B});
@@ -84,6 +72,9 @@ class StationCapture {
                  options_.stations, " are wanted"),
           "lay the target into the middle of the field, where the arm can view it from all sides, "
           "and see `stonestack view CELL` about reach and limits");
+    if (std::ssize(file.pairs) < options_.stations)
+      log_warning(concat("only ", file.pairs.size(), " of ", options_.stations, " stations in ", tries,
+                         " directions: the others cannot be reached, or do not show the target"));
     return file;
   }
 
@@ -95,14 +86,6 @@ class StationCapture {
                         "raise the speed slider, or ask for fewer stations, and start again");
   }
 
-  [[nodiscard]] CameraView drive(const JointTrajectory& route) {
-    ++views_;
-    const MotionResult moved = cell_.arm.follow(route);
-    if (moved.status != MotionResult::Status::kDone) report_stop(cell_, moved.reason);
-    const DepthFrame frame = cell_.camera.capture();
-    return {frame.image, camera_pose(cell_.layout, robot_, cell_.arm.state().q)};
-  }
-
   /// T_R_F of a view, which has the camera's pose by the present mount.
   [[nodiscard]] Pose flange_of(const CameraView& view) const {
     return cell_.layout.T_W_R.inverse() * view.T_W_C * (cell_.layout.T_F_T * cell_.layout.T_T_C).inverse();
@@ -110,14 +93,7 @@ class StationCapture {
 
   void find_target(const PlanningScene& scene) {
     const Eigen::Vector2d& field = cell_.layout.field_centre;
-    const auto route = plan_route_to_view(
-        cell_, scene,
-        view_poses(cell_.layout, {field.x(), field.y(), kFieldViewHeight}, BuildOptions{}.view_distance),
-        motion_);
-    if (!route)
-      throw DeviceError("arm", "no view of the field can be reached",
-                        "check the cell's layout with `stonestack view CELL`");
-    const CameraView view = drive(*route);
+    const CameraView view = view_unknown_field(cell_, robot_, scene, motion_);
     std::vector<StoneIndex> wanted;
     if (target_ != kNoStone) wanted.push_back(target_);
     const DetectionResult seen = detect_stones(view.image, models_, wanted);
@@ -161,7 +137,7 @@ class StationCapture {
   const Catalogue& targets_;
   CaptureOptions options_;
   DetectionModels models_;
-  MotionOptions motion_;
+  MotionOptions motion_ = measuring_motion();
   double start_ = cell_.clock.now();
   StoneIndex target_ = kNoStone;
   Pose T_W_B_ = Pose::Identity();  // by the present mount, in the first view

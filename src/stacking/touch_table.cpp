@@ -29,7 +29,6 @@ namespace {
 constexpr double kHover = 0.10;         // m above where table and camera have it at the highest
 constexpr double kFurtherDown = 0.025;  // m below where they have it at the lowest: kRoughTable.height
 constexpr double kTouchSpeed = 0.010;   // m/s
-constexpr double kTouchTransit = 0.25;  // m/s, of the tool: as in a cell's first run
 constexpr double kTouchTime = 300.0;    // s, for all of it
 constexpr double kLightest = 0.1;       // kg: a stone so light is felt by the smallest threshold
 constexpr double kTouchOpenSpeed = 0.03, kTouchOpenForce = 30.0;  // m/s, N: of empty fingers
@@ -240,14 +239,11 @@ std::vector<Eigen::Vector2d> bare_places(const TableView& view, double radius) {
 /// Devices and what is known of the cell, until the table is found.
 class TableToucher {
  public:
-  TableToucher(Cell& cell, const RobotModel& robot) : cell_(cell), robot_(robot) {
-    motion_.tool_speed = std::min(motion_.tool_speed, kTouchTransit);
-    motion_.near_speed = std::min(motion_.near_speed, kTouchTransit);
-  }
+  TableToucher(Cell& cell, const RobotModel& robot) : cell_(cell), robot_(robot) {}
 
   [[nodiscard]] TouchedTable run() {
     open_gripper();
-    const CameraView view = view_field();
+    const CameraView view = view_unknown_field(cell_, robot_, unknown_scene(cell_, robot_), motion_);
     const auto table_C = find_table(view.image);
     if (!table_C)
       throw DeviceError("camera", "sees no table in the field",
@@ -288,22 +284,6 @@ class TableToucher {
     set_payload(cell_.arm, carried_gripper_mass(gripper, cell_.layout));
     if (cell_.gripper.state().opening < gripper.max_opening - kNearlyOpen)
       cell_.gripper.move(gripper.max_opening, kTouchOpenSpeed, kTouchOpenForce);
-  }
-
-  [[nodiscard]] CameraView view_field() {
-    PlanningScene unknown = scene(cell_.layout);
-    unknown.objects.push_back(unseen_field(cell_.layout));
-    unknown.objects.push_back(unseen_site(cell_.layout));
-    (void)back_away(cell_, unknown, motion_, [] {});
-    const Eigen::Vector2d& field = cell_.layout.field_centre;
-    const auto route = plan_route_to_view(
-        cell_, unknown,
-        view_poses(cell_.layout, {field.x(), field.y(), kFieldViewHeight}, BuildOptions{}.view_distance),
-        motion_);
-    if (!route)
-      throw DeviceError("arm", "no view of the field can be reached",
-                        "check the cell's layout with `stonestack view CELL`");
-    return take_view(cell_, robot_, *route);
   }
 
   [[nodiscard]] static Plane transformed(const Plane& plane_C, const Pose& T_W_C) {
@@ -420,7 +400,7 @@ class TableToucher {
 
   Cell& cell_;
   const RobotModel& robot_;
-  MotionOptions motion_;
+  MotionOptions motion_ = measuring_motion();
   double start_ = cell_.clock.now();
   Joints q_start_ = cell_.arm.state().q;
   std::optional<JointTrajectory> home_;  // from above the last point
@@ -436,15 +416,6 @@ nlohmann::json json_of(const TableLevel& level) {
 }
 
 }  // namespace
-
-void report_stop(Cell& cell, const std::string& reason) {
-  if (!cell.arm.state().can_move)
-    throw Error("arm: stopped: " + reason + "; look at the cell, then `stonestack rearm CELL`",
-                ExitCode::kSafetyStop);
-  throw DeviceError(
-      "arm", "did not carry out a motion: " + reason,
-      "look at the cell; a motion that is refused may leave the limits or the fence of the cell");
-}
 
 TouchedTable touch_table(Cell& cell, const RobotModel& robot) {
   TableToucher toucher(cell, robot);

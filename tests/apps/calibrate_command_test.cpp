@@ -150,6 +150,8 @@ TEST_F(TableCommand, TheArmTakesNoStationsUnlessRequested) {
   expect_refusal("calibrate --capture lab.yaml --execute --block 0.1,0.1", 2, {"--block"});
   expect_refusal("calibrate --capture lab.yaml --target granite", 2, {"granite"});
   expect_refusal("calibrate --capture lab.yaml pairs.yaml", 2, {"--capture"});
+  expect_refusal("calibrate --capture lab.yaml --on-base", 2, {"--on-base"});
+  expect_refusal("calibrate --capture lab.yaml --execute --write-pairs lab.yaml/p.yaml", 3, {"not a folder"});
   expect_refusal("calibrate --stations 8 pairs.yaml", 2, {"--stations", "--capture"});
 }
 

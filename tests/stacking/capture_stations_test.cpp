@@ -75,6 +75,14 @@ TEST(CaptureStations, MeasuresTheMountWithABlock) {
   EXPECT_LT(off.angle, 0.25 * kDegree);
 }
 
+TEST(CaptureStations, NothingMovesAfterAStop) {
+  CaptureCell in(block_target({0.12, 0.08, 0.05}));
+  in.arm.stopped_on_route = 3;
+  EXPECT_THAT(in.problem({12, ""}), HasSubstr("a person came near"));
+  EXPECT_EQ(in.arm.routes, 4) << "the one that was stopped is the last";
+  EXPECT_EQ(in.arm.stops, 1);
+}
+
 TEST(CaptureStations, AnEmptyFieldSaysWhatToDo) {
   CaptureCell in(read_catalogue(data_path("stones")), {});
   EXPECT_THAT(in.problem({12, ""}),

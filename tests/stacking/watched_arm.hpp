@@ -12,8 +12,9 @@ struct WatchedArm : Arm {
   const RobotModel& robot;
   const Pose T_F_T;
   double fastest = 0.0, fastest_descent = 0.0;  // of the tool's tip [m/s]
-  int descents = 0, stops = 0;
-  int stopped_at = -1;  // descent that ends by a stop
+  int descents = 0, routes = 0, stops = 0;
+  int stopped_at = -1;        // descent that ends by a stop
+  int stopped_on_route = -1;  // route, likewise
 
   WatchedArm(Arm& inner, const RobotModel& model, const Pose& tip) : arm(inner), robot(model), T_F_T(tip) {}
   [[nodiscard]] double tip_speed(const JointTrajectory& trajectory) const {
@@ -29,6 +30,8 @@ struct WatchedArm : Arm {
   ArmState state() override { return arm.state(); }
   MotionResult follow(const JointTrajectory& trajectory) override {
     fastest = std::max(fastest, tip_speed(trajectory));
+    if (routes++ == stopped_on_route)
+      return {MotionResult::Status::kStopped, arm.state().q, 0.0, "a person came near"};
     return arm.follow(trajectory);
   }
   MotionResult follow_guarded(const GuardedMotion& motion) override {

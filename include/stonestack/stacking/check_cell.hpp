@@ -124,7 +124,7 @@ struct CaptureOptions {
 /// known shape, lies in the field and is left alone: it is found in a view of the field, and then viewed from
 /// all sides, 0.45 to 0.6 m away and up to 40 deg off the vertical, with the camera turned about its axis.
 /// The gripper stays above the unknown field, and the tool is never faster than 0.25 m/s. The present mount
-/// of the layout, from a drawing or measured by a tape, may be wrong by some centimetres and 10 deg. A view
+/// of the layout, from a drawing or measured by a tape, may be wrong by 20 mm and 5 deg. A view
 /// that cannot be reached, or does not show the target, is left out. B of the stations is the target's own
 /// frame.
 /// @param targets   shapes that may lie in the field
