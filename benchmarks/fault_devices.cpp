@@ -1,11 +1,14 @@
 #include "fault_devices.hpp"
 
+#include <fcntl.h>
 #include <tbb/global_control.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <functional>
 #include <limits>
@@ -18,6 +21,7 @@
 #include "stacking/journal.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/log.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
 #include "stonestack/stacking/build_tower.hpp"
 
@@ -41,6 +45,7 @@ constexpr double kPast = 0.16;       // m, level, from the tool's tip to a stone
 constexpr double kPastStep = 0.01;   // m
 constexpr double kLow = 0.20;        // m: the fingers of a tip that is lower reach what lies on the table
 constexpr double kDeadline = 900.0;  // s of a run's process: more is a hang
+constexpr double kSleep = 60.0;      // s
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
@@ -99,6 +104,7 @@ struct FaultRun {
   std::optional<Wrench> last_wrench;
   std::optional<double> frozen_time;
   double struck_at = 0.0, tared_at = 0.0;  // s
+  double slept = 0.0;                      // s that the host's steady clock did not count
   std::string journal_path;                ///< of a run whose disk fills up
   Journal journal;
 
@@ -169,6 +175,12 @@ struct FaultRun {
       fail(device, "does not answer");
     }
     if (once((base + " delayed").c_str())) world.wait(kDelay);
+    if (once("asleep between motions")) sleep();
+  }
+  /// The host is suspended while the devices go on.
+  void sleep() {
+    world.wait(kSleep);
+    slept = kSleep;
   }
 
   [[nodiscard]] Pose tool() const {
@@ -246,6 +258,14 @@ struct FaultRun {
       interrupt.over = true;
     }
     if (n == "disk full") journal = Journal("/dev/full");
+    if (n == "nobody reads the output") {  // of this process, which is a copy for this cell
+      int ends[2];
+      require(::pipe2(ends, O_CLOEXEC) == 0, "no pipe: ", std::strerror(errno));
+      ::close(ends[0]);
+      for (const int output : {STDOUT_FILENO, STDERR_FILENO})
+        require(::dup2(ends[1], output) == output, "no pipe for the output: ", std::strerror(errno));
+      set_log_level(LogLevel::kDebug);
+    }
   }
   [[nodiscard]] std::string robot_stop() const {
     for (const char* name :
@@ -282,6 +302,7 @@ struct FaultyArm : Arm {
       s.device_time = *run.frozen_time;
       s.host_time = *run.frozen_time;
     }
+    s.host_time -= run.slept;
     if (const std::string stop = run.robot_stop(); !stop.empty()) {
       s.can_move = false;
       s.stop_reason = stop;
@@ -308,6 +329,17 @@ struct FaultyArm : Arm {
     using Status = MotionResult::Status;
     check(t);
     run.command();
+    if (run.once("asleep in a motion")) {
+      const MotionResult r = run.inner.arm.follow(half_of(t));  // the watchdog of its program stops the arm
+      run.sleep();
+      return told({Status::kStopped, r.q, 0.0, "the program was killed: by the heartbeat watchdog"});
+    }
+    if (run.is("another run")) {
+      const Joints q = run.inner.arm.state().q;
+      if (!run.stop_seen.empty()) return told({Status::kRefused, q, 0.0, "another client's program runs"});
+      (void)run.inner.arm.follow(t);  // the other moves it on
+      return told({Status::kStopped, q, 0.0, "the program was killed: by another client"});
+    }
     try {
       run.link("arm");
     } catch (const DeviceError&) {
@@ -428,6 +460,7 @@ struct FaultySensor : ForceTorqueSensor {
     if (run.is("force not a number")) w.force.x() = kNan;
     if (run.is("force infinite")) w.force.x() = kInf;
     if (run.is("force 1e30")) w.force.x() = 1e30;
+    w.host_time -= run.slept;
     return w;
   }
   void zero() override {
@@ -452,6 +485,7 @@ struct FaultyCamera : DepthCamera {
     }
     run.at_look = run.world.truth();
     DepthFrame f = run.inner.camera.capture();
+    f.host_time -= run.slept;
     auto& z = f.image.z;
     const int width = f.image.camera.width, height = f.image.camera.height;
     const auto each = [&](const auto& change) {
@@ -489,7 +523,7 @@ struct FaultyClock : Clock {
   explicit FaultyClock(FaultRun& r) : run(r) {}
   [[nodiscard]] double now() const override {
     const double jump = run.is("clock an hour ahead") ? kHour : run.is("clock an hour back") ? -kHour : 0.0;
-    return run.inner.clock.now() + jump;
+    return run.inner.clock.now() + jump - run.slept;
   }
 };
 
@@ -560,8 +594,10 @@ const std::vector<Fault>& known_faults() {
     add("world",
         {"stone slips 5 mm", "stone slips 20 mm", "tower falls", "stone moved", "table 10 mm higher"}, false);
     add("world", {"stone gone"}, true);
-    add("host", {"interrupt", "disk full"}, true);
-    add("host", {"clock an hour ahead", "clock an hour back"}, false);
+    add("host", {"interrupt", "disk full", "asleep in a motion", "another run"}, true);
+    add("host",
+        {"clock an hour ahead", "clock an hour back", "asleep between motions", "nobody reads the output"},
+        false);
     return all;
   }();
   return list;

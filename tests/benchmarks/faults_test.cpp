@@ -33,6 +33,19 @@ TEST_F(BenchCommand, FaultsThatAreNotFatalEndWithTheRightTower) {
   EXPECT_EQ(totals[0]["of_these_ended_with_the_right_tower"], 3) << rows_of(done.data(), "not right").dump(1);
 }
 
+TEST_F(BenchCommand, FaultsOfTheHostBreakNoInvariant) {
+  const Outcome done =
+      run("faults --only 'asleep in a motion,asleep between motions,another run,nobody reads the output' "
+          "--phase connect,lift --json");
+  ASSERT_EQ(done.code, 0) << done.err;
+  const json totals = rows_of(done.data(), "totals");
+  ASSERT_EQ(totals.size(), 1U);
+  EXPECT_EQ(totals[0]["cells"], 8);
+  EXPECT_EQ(totals[0]["phase_not_reached"], 0);
+  EXPECT_EQ(totals[0]["all_invariants_kept"], 8) << rows_of(done.data(), "broken").dump(1);
+  EXPECT_EQ(totals[0]["of_these_ended_with_the_right_tower"], 4) << rows_of(done.data(), "not right").dump(1);
+}
+
 TEST_F(BenchCommand, FaultsEndAlikeWhereverTheRunsWereMade) {
   const std::string some =
       "faults --only 'stone moved,zero,interrupt' --phase connect,plan,transfer --threads 2 "
