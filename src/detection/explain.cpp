@@ -27,7 +27,7 @@ struct Reason {
 
 /// Reasons by weight, the strongest first, without those that hardly count.
 std::vector<Reason> reasons_of(const ScoreLosses& lost) {
-  std::array<Reason, 7> all = {{
+  std::array<Reason, 10> all = {{
       {lost.misfit,
        "the seen surface lies off the scan or is turned from it: is the scan of this stone, and in "
        "metres? Are the camera's intrinsics and depth unit right?"},
@@ -40,6 +40,11 @@ std::vector<Reason> reasons_of(const ScoreLosses& lost) {
       {lost.outline, "the seen surface goes on smoothly where it should end: what is there is larger"},
       {lost.below,
        "it would reach below the table or the plane it stands on: is the table's height as it was said?"},
+      {lost.bend, "the seen surface is flatter than its own: what is there is another shape"},
+      {lost.without_depth,
+       "much of it has no depth where it should be seen: it is not there, or it is dark, shiny or out of "
+       "range"},
+      {lost.loose, "flat surface is seen without its outline: move the camera until its edges are seen"},
   }};
   std::stable_sort(all.begin(), all.end(), [](const Reason& a, const Reason& b) { return a.lost > b.lost; });
   std::vector<Reason> reasons;

@@ -57,10 +57,16 @@ json entry_of(const Catalogue& catalogue, const Explanation& explanation, const 
   const ScoreLosses& lost = explanation.lost;
   entry["best"] = entry_of(catalogue, *explanation.best, T_W_C);
   entry["wanted"] = explanation.wanted;
-  entry["lost"] = {{"misfit", lost.misfit},     {"seen_through", lost.seen_through},
-                   {"in_front", lost.in_front}, {"hidden", lost.hidden},
-                   {"beside", lost.beside},     {"outline", lost.outline},
-                   {"below", lost.below}};
+  entry["lost"] = {{"misfit", lost.misfit},
+                   {"seen_through", lost.seen_through},
+                   {"in_front", lost.in_front},
+                   {"hidden", lost.hidden},
+                   {"beside", lost.beside},
+                   {"outline", lost.outline},
+                   {"below", lost.below},
+                   {"bend", lost.bend},
+                   {"without_depth", lost.without_depth},
+                   {"loose", lost.loose}};
   return entry;
 }
 

@@ -13,7 +13,8 @@ std::ptrdiff_t count(const Explanation& e, PixelEvidence kind) {
 }
 
 double total(const ScoreLosses& l) {
-  return l.misfit + l.seen_through + l.in_front + l.hidden + l.beside + l.outline + l.below;
+  return l.misfit + l.seen_through + l.in_front + l.hidden + l.beside + l.outline + l.below + l.bend +
+         l.without_depth + l.loose;
 }
 
 class Explain : public test::FourOfFive {

@@ -40,13 +40,16 @@ struct Detection {
 
 /// Losses of a pose's score, by what contradicts it: together they are 1 - score.
 struct ScoreLosses {
-  double misfit = 0.0;        ///< seen surface lies off the model's, or is turned from it
-  double seen_through = 0.0;  ///< surface behind the model is seen where the model should be
-  double in_front = 0.0;      ///< surface lies just in front of the model
-  double hidden = 0.0;        ///< something further in front hides the model
-  double beside = 0.0;        ///< surface goes on just off the model's surface
-  double outline = 0.0;       ///< surface goes on smoothly across the model's outline
-  double below = 0.0;         ///< the model reaches below the table or another support
+  double misfit = 0.0;         ///< seen surface lies off the model's, or is turned from it
+  double seen_through = 0.0;   ///< surface behind the model is seen where the model should be
+  double in_front = 0.0;       ///< surface lies just in front of the model
+  double hidden = 0.0;         ///< something further in front hides the model
+  double beside = 0.0;         ///< surface goes on just off the model's surface
+  double outline = 0.0;        ///< surface goes on smoothly across the model's outline
+  double below = 0.0;          ///< the model reaches below the table or another support
+  double bend = 0.0;           ///< the seen surface does not bend as the model's does
+  double without_depth = 0.0;  ///< much of the model has no depth where it should be seen
+  double loose = 0.0;          ///< flat surface without the model's outline fits in many places
 };
 
 struct DetectionTrace;

@@ -53,6 +53,9 @@ ContourTally compare_contour(const SeenView& view, const DrawnModel& drawn, doub
       if (!(drawn.depth(x, y) > 0)) continue;
       for (const Direction d : kContourDirections) {
         if (drawn.depth(x + d.x, y + d.y) > 0) continue;
+        const auto face = static_cast<std::size_t>(drawn.face[static_cast<std::size_t>(y * drawn.width + x)]);
+        const double weight = weights.empty() ? 1.0 : weights[face];
+        tally.all += weight;
         const int u = drawn.u0 + x * drawn.step, v = drawn.v0 + y * drawn.step;
         const int beside = normal_span(camera, drawn.depth(x, y)) + kOutlineOff;  // px to each side
         const int in_u = u - beside * d.x, in_v = v - beside * d.y;
@@ -61,8 +64,6 @@ ContourTally compare_contour(const SeenView& view, const DrawnModel& drawn, doub
         if (known(in_u, in_v) || known(out_u, out_v)) continue;
         if (!(view.depth.at(in_u, in_v) > 0) || !(view.depth.at(out_u, out_v) > 0)) continue;
         if (!shows_model(x, y, d, beside)) continue;
-        const auto face = static_cast<std::size_t>(drawn.face[static_cast<std::size_t>(y * drawn.width + x)]);
-        const double weight = weights.empty() ? 1.0 : weights[face];
         tally.seen += weight;
         tally.goes_on += one_surface(view.depth, in_u, in_v, out_u, out_v) ? weight : 0.0;
       }

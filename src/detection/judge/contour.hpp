@@ -8,6 +8,7 @@ namespace stonestack::detection {
 
 /// Tally of the image along the outline of a drawn model.
 struct ContourTally {
+  double all = 0;      ///< places on the outline
   double seen = 0;     ///< places on the outline where the model is seen, with a depth beyond, too, neither
                        ///< explained by known stones
   double goes_on = 0;  ///< of these: the seen surface goes on smoothly where the model ends

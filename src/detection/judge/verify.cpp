@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "detection/hypotheses/refine.hpp"
+#include "detection/judge/bend.hpp"
 #include "detection/judge/contour.hpp"
 #include "detection/judge/draw_model.hpp"
 #include "detection/scene/seen_normal.hpp"
@@ -22,6 +23,14 @@ constexpr double kBeyondWeight = 1.0;
 constexpr double kContourReach = 4.0;      // times the tolerance: so near the model's depth it is seen
 constexpr double kGoesOnTolerated = 0.06;  // share of the outline: stones that lie flush
 constexpr double kGoesOnWeight = 2.0;
+constexpr double kBendTolerated = 0.75;  // of the model's bend: right poses show 0.82 and more of it
+constexpr double kBendWeight = 1.0;
+constexpr double kLittleBend = 0.02;   // variation of normals of a surface that is nearly flat
+constexpr double kWithoutDepth = 0.3;  // of the drawn pixels: shadows, slopes, dark places
+constexpr double kWithoutDepthWeight = 0.2;
+constexpr double kFullBend = 0.1;  // variation of normals that holds a pose without an outline
+constexpr double kHeld = 0.6;      // of what holds a pose: bend, or the outline as a share of it
+constexpr double kLooseWeight = 0.5;
 constexpr double kMinSeen = 0.10;           // of the drawn pixels must fit
 constexpr double kBelowTableScale = 0.010;  // m below the tolerated depth that cost one full score
 
@@ -29,6 +38,8 @@ constexpr double kBelowTableScale = 0.010;  // m below the tolerated depth that 
 struct Tally {
   double fits = 0, quality = 0, through = 0, just_in_front = 0, hidden = 0;
   double drawn = 0, area = 0;
+  double without_depth = 0;  ///< share of the drawn pixels, in the view that shows most of the model
+  BendTally bend;
   ContourTally contour;
 };
 
@@ -100,6 +111,7 @@ bool count_pixel(const DepthImage& depth, int u, int v, double z, const Eigen::V
   const double agree =
       seen.isZero() ? 1.0
                     : std::clamp((seen.dot(normal_C) - kCosineNone) / (kCosineFull - kCosineNone), 0.0, 1.0);
+  if (!seen.isZero()) tally.bend.add(normal_C, seen, weight);
   tally.fits += weight;
   tally.quality += weight * (1.0 - ratio * ratio) *
                    (agree + (1.0 - weight) * (1.0 - agree));  // a guess has a guessed normal
@@ -135,7 +147,8 @@ void tally_view(const DetectionModel& model, const Pose& T_V_O, const SeenView& 
   const CameraIntrinsics& camera = view.depth.camera;
   const int step = drawing_step(model, T_V_O, camera, options.drawn_pixels);
   const DrawnModel drawn = draw_model(model.drawn, model.drawn_normals, T_V_O, camera, step);
-  const double area_before = tally.area;
+  const double area_before = tally.area, drawn_before = tally.drawn;
+  double without_depth = 0;
   for (int y = 0; y < drawn.height; ++y)
     for (int x = 0; x < drawn.width; ++x) {
       const auto i = static_cast<std::size_t>(y * drawn.width + x);
@@ -145,8 +158,12 @@ void tally_view(const DetectionModel& model, const Pose& T_V_O, const SeenView& 
       if (!view.explained.empty() && view.explained[pixel] != 0) continue;
       const double sigma =
           sigma_of_face(model.sigma.drawn, model.drawn.faces[static_cast<std::size_t>(drawn.face[i])]);
-      tally.drawn += evidence_weight(options.tolerance, sigma);
-      if (view.depth.z[pixel] <= 0) continue;
+      const double weight = evidence_weight(options.tolerance, sigma);
+      tally.drawn += weight;
+      if (view.depth.z[pixel] <= 0) {
+        without_depth += weight;
+        continue;
+      }
       const bool fits =
           count_pixel(view.depth, u, v, drawn.z[i], drawn_normal(drawn, camera, x, y), sigma, options, tally);
       if (fits && options.keep_pixels) verdict.pixels.push_back({index, static_cast<int>(pixel), step});
@@ -156,15 +173,26 @@ void tally_view(const DetectionModel& model, const Pose& T_V_O, const SeenView& 
     for (const auto& face : model.drawn.faces)
       weights.push_back(evidence_weight(options.tolerance, sigma_of_face(model.sigma.drawn, face)));
     const ContourTally contour = compare_contour(view, drawn, kContourReach * options.tolerance, weights);
+    tally.contour.all += contour.all;
     tally.contour.seen += contour.seen, tally.contour.goes_on += contour.goes_on;
   }
-  verdict.visible =
-      std::max(verdict.visible, std::min(1.0, (tally.area - area_before) * step * step / model.area));
+  tally.bend.end_view();
+  const double visible = std::min(1.0, (tally.area - area_before) * step * step / model.area);
+  if (visible <= verdict.visible) return;
+  verdict.visible = visible;
+  tally.without_depth = without_depth / (tally.drawn - drawn_before);
 }
 
 double total(const ScoreLosses& lost) {
   return lost.misfit + lost.seen_through + lost.in_front + lost.hidden + lost.beside + lost.outline +
-         lost.below;
+         lost.below + lost.bend + lost.without_depth + lost.loose;
+}
+
+/// What holds a pose in place: normals that vary, and an outline that is seen to end.
+double holding(const Tally& tally) {
+  const ContourTally& contour = tally.contour;
+  const double ends = contour.all > 0 ? (contour.seen - contour.goes_on) / contour.all : 0.0;
+  return tally.bend.variation() / kFullBend + ends;
 }
 
 }  // namespace
@@ -195,6 +223,11 @@ Verdict verify_pose(const DetectionModel& model, const Pose& T_C_O, const Detect
   lost.beside = kBeyondWeight * std::max(0.0, beyond - kBeyondTolerated);
   lost.outline = kGoesOnWeight * std::max(0.0, goes_on - kGoesOnTolerated);
   lost.below = std::max(0.0, below - options.below_table) / kBelowTableScale;
+  const double variation = tally.bend.variation();
+  lost.bend = kBendWeight * variation / (variation + kLittleBend) *
+              std::max(0.0, kBendTolerated - tally.bend.agreement());
+  lost.without_depth = kWithoutDepthWeight * std::max(0.0, tally.without_depth - kWithoutDepth);
+  if (options.contour) lost.loose = kLooseWeight * std::max(0.0, kHeld - holding(tally));
   verdict.score = 1.0 - total(lost);
   verdict.inlier_ratio = tally.fits / (seen + tally.hidden);
   return verdict;
