@@ -30,7 +30,7 @@ TEST_F(SimulateCommand, ServesEachDeviceAlone) {
 }
 
 TEST_F(SimulateCommand, AGripperThatHoldsNoStoneIsServedWithoutAnArm) {
-  write("cell.yaml", "hand: robotiq-hand-e\n" + kSimulateCommandFreePorts + "  gripper: {port: 0}\n");
+  write("cell.yaml", "hand: \"robotiq-hand-e\"\n" + kSimulateCommandFreePorts + "  gripper: {port: 0}\n");
   const Outcome alone = run("simulate --cell cell.yaml --seconds 0.1 --only gripper");
   EXPECT_EQ(alone.code, 0) << alone.err;
   EXPECT_THAT(alone.out, HasSubstr("gripper "));

@@ -211,8 +211,9 @@ class TextPieces {
   std::string ask(const std::string& text, std::size_t length) {
     EXPECT_TRUE(stream_.write_all(text, Deadline::in(kTwoFingerLong)));
     std::vector<std::uint8_t> answer(length);
-    EXPECT_TRUE(stream_.read_exact(answer, Deadline::in(kTwoFingerLong))) << text;
-    return {answer.begin(), answer.end()};
+    const IoResult got = stream_.read_exact(answer, Deadline::in(patience_));
+    if (!got) patience_ = 0.1;  // no answer is a failure, and need not be a long one for each request
+    return {answer.begin(), answer.begin() + static_cast<std::ptrdiff_t>(got.bytes)};
   }
   bool is_silent_after(const std::string& text) {
     EXPECT_TRUE(stream_.write_all(text, Deadline::in(kTwoFingerLong)));
@@ -222,6 +223,7 @@ class TextPieces {
 
  private:
   TcpStream stream_;
+  double patience_ = kTwoFingerLong;
 };
 
 TEST_P(UrCapSocket, AnswersARequestWithoutALineEndByTheBareValue) {
