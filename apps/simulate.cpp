@@ -34,12 +34,24 @@ ServedDevices served(const std::vector<std::string>& only) {
   return {wanted(kDevices[0]), wanted(kDevices[1]), wanted(kDevices[2]), wanted(kDevices[3])};
 }
 
+/// The gripper that the stones must fit. Where none does, and no arm is there to carry one, any will do.
+GripperModel gripper_for(const Catalogue& catalogue, GripperModel gripper, const RobotModel& robot,
+                         bool with_arm) {
+  const auto is_fit = [&](const Stone& stone) { return unfit_for_gripper(stone, gripper, robot).empty(); };
+  if (with_arm || std::any_of(catalogue.stones.begin(), catalogue.stones.end(), is_fit)) return gripper;
+  log_warning(
+      "no stone of the catalogue can be carried by this gripper; the devices are served all the same");
+  gripper.payload = gripper.max_opening = std::numeric_limits<double>::infinity();
+  return gripper;
+}
+
 void simulate(SimulateCommand& command) {
   const int seed = command.simulation.seed = command.common.seed;
   CellFile file = read_cell(command.cell.empty() ? data_path("cells/simulated-ur10.yaml") : command.cell);
   command.common.settings.apply(
       join({nest("simulation", fields(command.simulation)), nest("simulators", fields(file.servers()))}));
-  file.serve(served(command.only));
+  const ServedDevices devices = served(command.only);
+  file.serve(devices);
   const RobotModel robot = read_robot(file.robot());
   log_info(concat("making the simulated cell of ", file.path, ", seed ", seed,
                   "; its devices are served when this is done"));
@@ -47,10 +59,9 @@ void simulate(SimulateCommand& command) {
   command.per_run.check(catalogue);
   RobotModel any = robot;  // served to any client, which has a gripper of its own
   any.payload = std::numeric_limits<double>::infinity();
-  SimulatedCell world(
-      catalogue.stones,
-      draw_stones(catalogue, command.per_run.count, seed, gripper_of(to_layout(file.cell())), any), robot,
-      true_layout(to_layout(file.cell()), file.servers()), command.simulation);
+  const GripperModel gripper = gripper_for(catalogue, gripper_of(to_layout(file.cell())), any, devices.arm);
+  SimulatedCell world(catalogue.stones, draw_stones(catalogue, command.per_run.count, seed, gripper, any),
+                      robot, true_layout(to_layout(file.cell()), file.servers()), command.simulation);
   const SimulatedServers servers(world, robot, file.servers());
   std::cout << servers.text() << std::flush;
   log_info("serving until Ctrl-C");

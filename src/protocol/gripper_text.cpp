@@ -9,6 +9,7 @@ namespace stonestack::protocol {
 namespace {
 
 constexpr std::size_t kMaxWords = 32;
+constexpr std::size_t kMinVariable = 3;  // letters, as in POS; SCN_BLOCK has more
 
 std::string_view without_line_end(std::string_view text) {
   while (!text.empty() && (text.back() == '\n' || text.back() == '\r')) text.remove_suffix(1);
@@ -28,8 +29,8 @@ std::vector<std::string_view> words_of(std::string_view text) {
 }
 
 bool is_variable(std::string_view word) {
-  return word.size() == 3 &&
-         std::all_of(word.begin(), word.end(), [](char c) { return c >= 'A' && c <= 'Z'; });
+  return word.size() >= kMinVariable &&
+         std::all_of(word.begin(), word.end(), [](char c) { return (c >= 'A' && c <= 'Z') || c == '_'; });
 }
 
 std::optional<int> parse_byte(std::string_view word) {

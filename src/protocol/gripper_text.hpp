@@ -9,8 +9,9 @@
 
 /// The text socket of Robotiq's URCap for 2-finger grippers and Hand-E (port 63352 of the robot's
 /// controller), for both ends. A line "SET ACT 1 GTO 1" is answered by "ack", "GET POS" by "POS 120", what is
-/// not understood by "?". Answers come with or without a line end (peers: ur_rtde, cambel/robotiq). Parsers
-/// accept any bytes.
+/// not understood by "?". Answers come with or without a line end (peers: ur_rtde, cambel/robotiq). A "GET
+/// PRE" without a line end is answered by the value alone, "120" (peer: Robotiq's URScript). Parsers accept
+/// any bytes.
 namespace stonestack::protocol {
 
 inline constexpr std::size_t kMaxGripperLine = 128;  ///< bytes of a line, either way

@@ -21,11 +21,24 @@ bool is_read(std::uint8_t function) {
   return function == kReadHolding || function == kReadInput;
 }
 
+// Where the values of a write of several registers begin, behind their number of bytes; 0: no such function.
+std::size_t values_begin(std::uint8_t function) {
+  if (function == kWriteMany) return 6;
+  return function == kReadWriteMany ? 10 : 0;
+}
+
 // Length of a PDU that starts a request; 0 while that is unknown.
 std::size_t request_length(View pdu) {
   if (pdu.empty()) return 0;
-  if (pdu[0] != kWriteMany) return is_read(pdu[0]) || pdu[0] == kWriteOne ? 5 : 0;
-  return pdu.size() < 6 ? 0 : 6U + pdu[5];
+  const std::size_t begin = values_begin(pdu[0]);
+  if (begin == 0) return is_read(pdu[0]) || pdu[0] == kWriteOne ? 5 : 0;
+  return pdu.size() < begin ? 0 : begin + pdu[begin - 1];
+}
+
+std::optional<Exception> refuse_range(int address, int count, int max) {
+  if (count < 1 || count > max) return Exception::kIllegalValue;
+  if (address + count > 0x10000) return Exception::kIllegalAddress;
+  return std::nullopt;
 }
 
 std::optional<RtuFrame> frame_at(View bytes, std::size_t at, std::size_t pdu_length) {
@@ -71,6 +84,18 @@ std::string exception_text(std::uint8_t code) {
   return concat(static_cast<int>(code), " (", name, ")");
 }
 
+bool reads(const Request& request) {
+  return is_read(request.function) || request.function == kReadWriteMany;
+}
+
+bool writes(const Request& request) {
+  return !is_read(request.function);
+}
+
+std::uint16_t first_written(const Request& request) {
+  return request.function == kReadWriteMany ? request.write_address : request.address;
+}
+
 Bytes request_pdu(const Request& request) {
   Bytes pdu{request.function};
   append(pdu, request.address);
@@ -79,7 +104,11 @@ Bytes request_pdu(const Request& request) {
     return pdu;
   }
   append(pdu, request.count);
-  if (request.function != kWriteMany) return pdu;
+  if (values_begin(request.function) == 0) return pdu;
+  if (request.function == kReadWriteMany) {
+    append(pdu, request.write_address);
+    append(pdu, static_cast<std::uint16_t>(request.values.size()));
+  }
   pdu.push_back(static_cast<std::uint8_t>(2 * request.values.size()));
   for (const auto value : request.values) append(pdu, value);
   return pdu;
@@ -87,7 +116,7 @@ Bytes request_pdu(const Request& request) {
 
 std::variant<Request, Exception> parse_request(View pdu) {
   if (pdu.empty() || request_length(pdu) == 0)
-    return !pdu.empty() && pdu[0] == kWriteMany ? Exception::kIllegalValue : Exception::kIllegalFunction;
+    return !pdu.empty() && values_begin(pdu[0]) > 0 ? Exception::kIllegalValue : Exception::kIllegalFunction;
   if (pdu.size() != request_length(pdu)) return Exception::kIllegalValue;
   Request request{pdu[0], word(pdu, 1), 1, {}};
   if (request.function == kWriteOne) {
@@ -95,18 +124,24 @@ std::variant<Request, Exception> parse_request(View pdu) {
     return request;
   }
   request.count = word(pdu, 3);
+  const std::size_t begin = values_begin(request.function);
   const int max = request.function == kWriteMany ? kMaxWritten : kMaxRead;
-  if (request.count < 1 || request.count > max) return Exception::kIllegalValue;
-  if (request.address + request.count > 0x10000) return Exception::kIllegalAddress;
-  if (request.function != kWriteMany) return request;
-  if (pdu[5] != 2 * request.count) return Exception::kIllegalValue;
-  for (std::size_t i = 0; i < request.count; ++i) request.values.push_back(word(pdu, 6 + 2 * i));
+  if (const auto wrong = refuse_range(request.address, request.count, max)) return *wrong;
+  if (begin == 0) return request;
+  int written = request.count;
+  if (request.function == kReadWriteMany) {
+    request.write_address = word(pdu, 5);
+    written = word(pdu, 7);
+    if (const auto wrong = refuse_range(request.write_address, written, kMaxWrittenBesideRead)) return *wrong;
+  }
+  if (pdu[begin - 1] != 2 * written) return Exception::kIllegalValue;
+  for (std::size_t at = begin; at < pdu.size(); at += 2) request.values.push_back(word(pdu, at));
   return request;
 }
 
 Bytes reply_pdu(const Request& request, std::span<const std::uint16_t> registers) {
   Bytes pdu{request.function};
-  if (is_read(request.function)) {
+  if (reads(request)) {
     pdu.push_back(static_cast<std::uint8_t>(2 * registers.size()));
     for (const auto value : registers) append(pdu, value);
     return pdu;
@@ -127,7 +162,7 @@ Reply parse_reply(const Request& request, View pdu) {
     reply.exception = pdu[1];
     return reply;
   }
-  if (is_read(request.function)) {
+  if (reads(request)) {
     const std::size_t count = 2U * request.count;
     if (pdu.size() != count + 2 || pdu[0] != request.function || pdu[1] != count) return reply;
     for (std::size_t i = 0; i < request.count; ++i) reply.registers.push_back(word(pdu, 2 + 2 * i));
@@ -177,7 +212,7 @@ Bytes rtu_frame(std::uint8_t unit, View pdu) {
 }
 
 std::optional<RtuFrame> find_rtu_reply(View bytes, std::uint8_t unit, const Request& request) {
-  const std::size_t done = is_read(request.function) ? 2U + 2U * request.count : 5U;
+  const std::size_t done = reads(request) ? 2U + 2U * request.count : 5U;
   for (std::size_t at = 0; at + 5 <= bytes.size(); ++at) {
     if (bytes[at] != unit || (bytes[at + 1] & ~kExceptionBit) != request.function) continue;
     const auto frame = frame_at(bytes, at, (bytes[at + 1] & kExceptionBit) != 0 ? 2U : done);

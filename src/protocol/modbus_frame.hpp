@@ -16,9 +16,11 @@ namespace stonestack::protocol::modbus {
 using Bytes = std::vector<std::uint8_t>;
 using View = std::span<const std::uint8_t>;
 
-inline constexpr std::uint8_t kReadHolding = 3, kReadInput = 4, kWriteOne = 6, kWriteMany = 16;
+inline constexpr std::uint8_t kReadHolding = 3, kReadInput = 4, kWriteOne = 6, kWriteMany = 16,
+                              kReadWriteMany = 23;
 inline constexpr std::uint8_t kExceptionBit = 0x80;
-inline constexpr int kMaxRead = 125, kMaxWritten = 123;  ///< registers in one request
+inline constexpr int kMaxRead = 125, kMaxWritten = 123,
+                     kMaxWrittenBesideRead = 121;  ///< registers in one request
 inline constexpr std::size_t kTcpHeader = 7, kLongestPdu = 253;
 
 enum class Exception : std::uint8_t {
@@ -34,13 +36,19 @@ enum class Exception : std::uint8_t {
 /// "2 (illegal data address)"; also for codes that the standard does not have.
 [[nodiscard]] std::string exception_text(std::uint8_t code);
 
-/// One of the four requests. `values` is empty for reads; `count` is 1 for kWriteOne.
+/// One of the five requests. `values` is empty for reads; `count` is 1 for kWriteOne. Of kReadWriteMany
+/// `address` and `count` are what is read.
 struct Request {
   std::uint8_t function = kReadHolding;
   std::uint16_t address = 0;
   std::uint16_t count = 1;
   std::vector<std::uint16_t> values;
+  std::uint16_t write_address = 0;  ///< of kReadWriteMany, which writes before it reads
 };
+[[nodiscard]] bool reads(const Request& request);
+[[nodiscard]] bool writes(const Request& request);
+/// The first register that a request writes.
+[[nodiscard]] std::uint16_t first_written(const Request& request);
 [[nodiscard]] Bytes request_pdu(const Request& request);
 /// Parses a PDU on the server: the request, or the exception that it answers.
 [[nodiscard]] std::variant<Request, Exception> parse_request(View pdu);

@@ -29,6 +29,17 @@ TEST_F(SimulateCommand, ServesEachDeviceAlone) {
   expect_refusal("simulate --cell cell.yaml --only wrist", 2, {"--only", "wrist", "arm", "camera"});
 }
 
+TEST_F(SimulateCommand, AGripperThatHoldsNoStoneIsServedWithoutAnArm) {
+  write("cell.yaml", "hand: \"robotiq-hand-e\"\n" + kSimulateCommandFreePorts + "  gripper: {port: 0}\n");
+  const Outcome alone = run("simulate --cell cell.yaml --seconds 0.1 --only gripper");
+  EXPECT_EQ(alone.code, 0) << alone.err;
+  EXPECT_THAT(alone.out, HasSubstr("gripper "));
+  EXPECT_THAT(alone.err, HasSubstr("no stone of the catalogue can be carried by this gripper"));
+  const Outcome with_arm = run("simulate --cell cell.yaml --seconds 0.1 --only arm,gripper");
+  EXPECT_NE(with_arm.code, 0);
+  EXPECT_THAT(with_arm.err, HasSubstr("no stone of the catalogue can be carried"));
+}
+
 // Every fault can be reached without writing a file.
 TEST_F(SimulateCommand, SwitchesCanBeSetOnTheCommandLine) {
   write("cell.yaml",

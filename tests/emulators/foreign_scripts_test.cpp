@@ -393,12 +393,91 @@ TEST(UrForeignScripts, LinesMayEndAsOnWindows) {
   EXPECT_EQ(bench.exceptions, "");
 }
 
+/// A script on the bench with a server that it has connected to.
+struct CalledServer {
+  TcpListener listener{ListenOptions{}};
+  ScriptBench bench;
+  std::optional<TcpStream> host;
+
+  void run_script(const std::string& body) {
+    bench.controller.run_script("def client():\n  socket_open(\"127.0.0.1\", " +
+                                std::to_string(listener.endpoint().port) + ")\n" + body + "end\n");
+    bench.run(0.05);
+    host = listener.accept(Deadline::in(5));
+    EXPECT_TRUE(host.has_value()) << bench.texts << bench.exceptions;
+  }
+  std::string line() { return host->read_line(100, Deadline::in(5)).line; }
+  /// Sends an answer, and runs the script for a moment.
+  std::string answer(const std::string& text) {
+    bench.texts.clear();
+    EXPECT_TRUE(host->write_all(text, Deadline::in(5)));
+    bench.run(0.05);
+    return bench.texts;
+  }
+};
+
+TEST(UrForeignScripts, VariablesOfAServerAreSetAndRead) {
+  CalledServer server;
+  server.run_script(
+      "  socket_set_var(\"POS_Y\", 2200)\n"
+      "  socket_set_var(\"POS\", 120.0, \"socket_0\")\n"
+      "  textmsg(socket_get_var(\"POS\"))\n"
+      "  textmsg(socket_get_var(\"SPE\", \"socket_0\"))\n"
+      "  textmsg(socket_get_var(\"NOT\"))\n");
+  EXPECT_EQ(server.line(), "SET POS_Y 2200");
+  EXPECT_EQ(server.line(), "SET POS 120");
+  EXPECT_EQ(server.line(), "GET POS");
+  EXPECT_EQ(server.answer("ackackPOS 120"), "120") << "no line end, behind what nobody read";
+  EXPECT_EQ(server.line(), "GET SPE");
+  EXPECT_EQ(server.answer("SPE -7\n"), "-7");
+  EXPECT_EQ(server.line(), "GET NOT");
+  server.bench.run(2.1);
+  EXPECT_EQ(server.bench.texts, "-7|0") << "no answer in two seconds";
+  EXPECT_EQ(server.bench.exceptions, "");
+}
+
+TEST(UrForeignScripts, BytesAreReadAsAListOfTheirNumber) {
+  CalledServer server;
+  server.run_script(
+      "  textmsg(socket_read_byte_list(3))\n"
+      "  textmsg(socket_read_byte_list(2, \"socket_0\", 0))\n"
+      "  textmsg(socket_read_byte_list(4, \"socket_0\", 0.5))\n"
+      "  textmsg(socket_read_byte_list(3, \"socket_0\", 0.1))\n");
+  EXPECT_EQ(server.answer("ack"), "[3,97,99,107]");
+  server.bench.run(10.0);
+  EXPECT_EQ(server.answer(std::string("\x00\xFFz", 3)), "[2,0,255]") << "it waited without an end";
+  server.bench.texts.clear();
+  server.bench.run(1.0);
+  EXPECT_EQ(server.bench.texts, "[1,122,-1,-1,-1]|[0,-1,-1,-1]") << "those that came in time";
+  EXPECT_EQ(server.bench.exceptions, "");
+  server.bench.value("socket_read_byte_list(31)");
+  EXPECT_THAT(server.bench.exceptions, testing::HasSubstr("1 to 30 bytes"));
+}
+
+TEST(UrForeignScripts, DomainsOfAnalogPortsAreSet) {
+  ScriptBench bench;
+  EXPECT_EQ(bench.output("def domains():\n"
+                         "  set_analog_inputrange(0, 0)\n"
+                         "  set_analog_inputrange(3, 1)\n"
+                         "  set_analog_outputdomain(0, 0)\n"
+                         "  set_analog_outputdomain(1, 1)\n"
+                         "  set_runstate_outputs([])\n"
+                         "  set_runstate_outputs([0, 17])\n"
+                         "  textmsg(\"set\")\n"
+                         "end\n"),
+            "set");
+  EXPECT_EQ(bench.exceptions, "");
+  EXPECT_EQ(bench.controller.io.analog_out_types, 2U) << "output 0 in mA, output 1 in V";
+}
+
 TEST(UrForeignScripts, SocketsStayOnThisMachine) {
   ScriptBench bench;
   EXPECT_EQ(bench.value("socket_open(\"192.0.2.1\", 80)"), "False");
   EXPECT_EQ(bench.value("socket_open(\"not an address\", 80)"), "False");
   EXPECT_EQ(bench.value("socket_send_int(1, \"none\")"), "False");
   EXPECT_EQ(bench.value("socket_read_binary_integer(2, \"none\")"), "[-1,0,0]");
+  EXPECT_EQ(bench.value("socket_read_byte_list(2, \"none\")"), "[0,-1,-1]");
+  EXPECT_EQ(bench.value("socket_get_var(\"POS\", \"none\")"), "0");
 }
 
 }  // namespace

@@ -38,6 +38,18 @@ TEST(UrScriptRanges, PayloadsAreWhatTheRobotCarries) {
   EXPECT_EQ(error("set_payload_mass(3.5)"), "");
 }
 
+TEST(UrScriptRanges, AnalogPortsAreThoseOfTheManual) {
+  EXPECT_THAT(error("set_analog_inputrange(4, 0)"), HasSubstr("there is no analog port 4"));
+  EXPECT_THAT(error("set_analog_inputrange(-1, 0)"), HasSubstr("there is no analog port -1"));
+  EXPECT_THAT(error("set_analog_inputrange(1, 1)"), HasSubstr("no range 1"));
+  EXPECT_THAT(error("set_analog_inputrange(2, 3)"), HasSubstr("no range 3"));
+  EXPECT_EQ(error("set_analog_inputrange(2, 1)"), "");
+  EXPECT_THAT(error("set_analog_outputdomain(2, 0)"), HasSubstr("there is no analog port 2"));
+  EXPECT_THAT(error("set_analog_outputdomain(0, 2)"), HasSubstr("0 (mA) or 1 (V)"));
+  EXPECT_THAT(error("set_runstate_outputs([18])"), HasSubstr("there is no pin 18"));
+  EXPECT_THAT(error("set_runstate_outputs(1)"), HasSubstr("as a list"));
+}
+
 TEST(UrScriptRanges, MotionsEnd) {
   for (const std::string line : {"movej(q, t=inf)", "movel(here, t=nan)",
                                  "speedj([0, 0, 0, 0, 0, 0], 1, inf)", "speedl([0, 0, 0, 0, 0, 0], 1, nan)"})

@@ -24,6 +24,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       check(parse_gripper_line(set_text(parsed->set)).has_value());
     const std::string answer = gripper.answer(line);
     check(is_gripper_text(answer) && !answer.empty());
+    const std::string bare = gripper.bare_answer(line);
+    check(is_gripper_text(bare) && !bare.empty());
     gripper.advance(0.05);
     check((gripper.status()[2] >> 8U) <= 255U);
   }

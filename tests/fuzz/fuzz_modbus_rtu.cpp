@@ -23,7 +23,7 @@ void check_frame(const RtuFrame& frame, View bytes) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   View bytes(data, size);
-  for (const auto function : {kReadHolding, kReadInput, kWriteOne, kWriteMany}) {
+  for (const auto function : {kReadHolding, kReadInput, kWriteOne, kWriteMany, kReadWriteMany}) {
     const Request asked{function, 2000, static_cast<std::uint16_t>(function == kWriteOne ? 1 : 8),
                         std::vector<std::uint16_t>(function == kWriteOne ? 1 : 8)};
     if (const auto frame = find_rtu_reply(bytes, 9, asked)) {

@@ -22,12 +22,14 @@ void try_pdu(View pdu) {
     const Bytes again = request_pdu(*request);
     check(Bytes(pdu.begin(), pdu.end()) == again);
     check(request->address + request->count <= 0x10000);
+    check(first_written(*request) + request->values.size() <= 0x10000);
+    check(reads(*request) || writes(*request));
   }
-  for (const auto function : {kReadHolding, kReadInput, kWriteOne, kWriteMany}) {
+  for (const auto function : {kReadHolding, kReadInput, kWriteOne, kWriteMany, kReadWriteMany}) {
     const Request asked{function, 2000, static_cast<std::uint16_t>(function == kWriteOne ? 1 : 8),
                         std::vector<std::uint16_t>(function == kWriteOne ? 1 : 8)};
     const Reply reply = parse_reply(asked, pdu);
-    if (reply.kind == Reply::Kind::kDone && function <= kReadInput) {
+    if (reply.kind == Reply::Kind::kDone && reads(asked)) {
       check(reply.registers.size() == 8);
       const ThreeFingerStatus status = decode_gripper_status(reply.registers);
       check(status.axes[0].position >= 0 && status.axes[0].position <= 255);
@@ -54,8 +56,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     check(View(frame).size() == kTcpHeader + length);
     const auto parsed = parse_request(pdu);
     const auto* request = std::get_if<Request>(&parsed);
-    if (request != nullptr && !request->values.empty() && request->address + request->count <= 8)
-      registers.write(request->address, request->values);
+    if (request != nullptr && writes(*request) && first_written(*request) + request->values.size() <= 8)
+      registers.write(first_written(*request), request->values);
     registers.advance(0.05);
     static_cast<void>(registers.status());
     at += kTcpHeader + length;

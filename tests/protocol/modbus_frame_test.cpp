@@ -18,6 +18,11 @@ const Bytes kActivateTcp{0x33, 0x9A, 0x00, 0x00, 0x00, 0x0D, 0x02, 0x10, 0x00, 0
                          0x00, 0x03, 0x06, 0x01, 0x00, 0x00, 0x00, 0x00, 0x00};
 const Bytes kActivateReplyTcp{0x33, 0x9A, 0x00, 0x00, 0x00, 0x06, 0x02, 0x10, 0x00, 0x00, 0x00, 0x03};
 
+const Bytes kReadWriteRtu{0x09, 0x17, 0x07, 0xD0, 0x00, 0x02, 0x03, 0xE9, 0x00,
+                          0x02, 0x04, 0x00, 0xE6, 0x3C, 0xC8, 0x2D, 0x0C};
+const Bytes kReadWriteReplyRtu{0x09, 0x17, 0x04, 0x01, 0x00, 0x09, 0xE6, 0xF6, 0xC1};
+
+const Request kReadWrite{kReadWriteMany, 0x07D0, 2, {0x00E6, 0x3CC8}, 0x03E9};
 const Request kClose{kWriteMany, 0x03E8, 3, {0x0900, 0x00FF, 0xFFFF}};
 const Request kOneStatus{kReadHolding, 0x07D0, 1, {}};
 
@@ -59,6 +64,54 @@ TEST(ModbusFrame, ServersAnswerTheManualsRequestsAsSpecified) {
   EXPECT_EQ(request.values, kClose.values);
   EXPECT_EQ(rtu_frame(9, reply_pdu(request, {})), kCloseReplyRtu);
   EXPECT_EQ(rtu_frame(9, reply_pdu(kOneStatus, std::vector<std::uint16_t>{0x3100})), kActivatedRtu);
+}
+
+TEST(ModbusFrame, AReadAndAWriteInOneRequestMatchTheManual) {
+  EXPECT_EQ(rtu_frame(9, request_pdu(kReadWrite)), kReadWriteRtu);
+  const auto frame = find_rtu_request(kReadWriteRtu);
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->end, kReadWriteRtu.size());
+  const auto parsed = parse_request(frame->pdu);
+  ASSERT_TRUE(std::holds_alternative<Request>(parsed));
+  const auto& request = std::get<Request>(parsed);
+  EXPECT_EQ(request.address, 0x07D0);
+  EXPECT_EQ(request.count, 2);
+  EXPECT_EQ(first_written(request), 0x03E9);
+  EXPECT_EQ(request.values, kReadWrite.values);
+  EXPECT_TRUE(reads(request) && writes(request));
+  EXPECT_EQ(rtu_frame(9, reply_pdu(request, std::vector<std::uint16_t>{0x0100, 0x09E6})), kReadWriteReplyRtu);
+  const auto reply = find_rtu_reply(kReadWriteReplyRtu, 9, kReadWrite);
+  ASSERT_TRUE(reply);
+  EXPECT_EQ(parse_reply(kReadWrite, reply->pdu).registers, (std::vector<std::uint16_t>{0x0100, 0x09E6}));
+}
+
+TEST(ModbusFrame, AReadAndAWriteInOneRequestHaveLimits) {
+  const auto exception = [](int read, int written, int bytes, int address = 0) {
+    Bytes pdu{0x17,
+              0,
+              0,
+              0,
+              static_cast<std::uint8_t>(read),
+              static_cast<std::uint8_t>(address >> 8),
+              static_cast<std::uint8_t>(address & 0xFF),
+              0,
+              static_cast<std::uint8_t>(written),
+              static_cast<std::uint8_t>(bytes)};
+    pdu.resize(pdu.size() + static_cast<std::size_t>(bytes));
+    const auto parsed = parse_request(pdu);
+    return std::holds_alternative<Exception>(parsed) ? static_cast<int>(std::get<Exception>(parsed)) : 0;
+  };
+  EXPECT_EQ(exception(125, 121, 242), 0);
+  EXPECT_EQ(exception(126, 1, 2), 3);
+  EXPECT_EQ(exception(0, 1, 2), 3);
+  EXPECT_EQ(exception(1, 122, 244), 3);
+  EXPECT_EQ(exception(1, 0, 0), 3);
+  EXPECT_EQ(exception(1, 2, 2), 3) << "byte count";
+  EXPECT_EQ(exception(1, 1, 3), 3) << "byte count";
+  EXPECT_EQ(exception(1, 2, 4, 0xFFFF), 2) << "over the end";
+  const auto cut = parse_request(Bytes{0x17, 0, 0, 0, 1, 0});
+  ASSERT_TRUE(std::holds_alternative<Exception>(cut));
+  EXPECT_EQ(std::get<Exception>(cut), Exception::kIllegalValue);
 }
 
 TEST(ModbusFrame, AnyFlippedBitIsFoundByTheCrc) {

@@ -93,8 +93,9 @@ void FtSerialServer::answer(const modbus::RtuFrame& frame) {
   const auto parsed = modbus::parse_request(frame.pdu);
   if (!std::holds_alternative<modbus::Request>(parsed)) return;
   const auto& request = std::get<modbus::Request>(parsed);
+  if (request.function == modbus::kReadWriteMany) return;  // the sensor does not have it
   std::vector<std::uint16_t> values;
-  if (request.function == modbus::kReadHolding || request.function == modbus::kReadInput) {
+  if (modbus::reads(request)) {
     for (int i = 0; i < request.count; ++i) {
       const auto value = register_value(request.address + i);
       if (!value)

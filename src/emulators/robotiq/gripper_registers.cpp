@@ -43,8 +43,7 @@ void GripperRegisters::accept() {
   const bool was_active = (accepted_[0] & kAct) != 0, active = (written_[0] & kAct) != 0;
   accepted_ = written_;
   slipped_ = 0.0;
-  for (auto& axis : axes_)
-    if ((accepted_[0] & kGoTo) != 0) axis.status = AxisReport::Status::kMoving;
+  await_motion();
   if (!active) {
     phase_ = Phase::kReset;
     if (faults_.fault >= 13) faults_.fault = 0;
@@ -57,6 +56,12 @@ void GripperRegisters::accept() {
     phase_ = Phase::kModeChange;
     in_stage_ = 0.0;
   }
+}
+
+// The plant has not had the request yet: its report is still that of what it did before.
+void GripperRegisters::await_motion() {
+  if ((accepted_[0] & kGoTo) == 0) return;
+  for (auto& axis : axes_) axis.status = AxisReport::Status::kMoving;
 }
 
 void GripperRegisters::start_activation() {
@@ -78,12 +83,14 @@ void GripperRegisters::advance_activation() {
   phase_ = Phase::kReady;
   const int asked = static_cast<int>((accepted_[0] & kMode) >> 1U);
   if (asked != mode_) phase_ = Phase::kModeChange;
+  await_motion();
 }
 
 void GripperRegisters::advance_mode() {
   if (moving() || in_stage_ < kMinModeChange) return;
   mode_ = static_cast<int>((accepted_[0] & kMode) >> 1U);
   phase_ = Phase::kReady;
+  await_motion();
 }
 
 void GripperRegisters::advance(double seconds) {

@@ -28,6 +28,7 @@ class GripperRegisters {
   using Bytes = std::array<std::uint8_t, 2 * kCount>;
 
   void start_activation();
+  void await_motion();
   void advance_activation();
   void advance_mode();
   void accept();

@@ -17,9 +17,9 @@ constexpr int kCommandsTcp = 0, kCommandsRtu = 0x03E8;  // where commands are wr
 constexpr int kStatusTcp = 0, kStatusRtu = 0x07D0;      // where status is read
 constexpr int kCount = GripperRegisters::kCount;
 
-std::optional<int> offset(const modbus::Request& request, int base) {
-  const int first = request.address - base;
-  if (first < 0 || first + request.count > kCount) return std::nullopt;
+std::optional<int> offset(int address, std::size_t count, int base) {
+  const int first = address - base;
+  if (first < 0 || first + static_cast<int>(count) > kCount) return std::nullopt;
   return first;
 }
 
@@ -64,20 +64,28 @@ struct GripperSimulator::Parts {
 
   std::variant<std::vector<std::uint16_t>, modbus::Exception> handle(const modbus::Request& request) {
     const std::lock_guard lock(mutex);
-    const bool write = request.function == modbus::kWriteOne || request.function == modbus::kWriteMany;
-    for (const int base : {kCommandsTcp, kCommandsRtu}) {
-      const auto first = offset(request, base);
-      if (!first || (!write && base == kStatusTcp)) continue;
-      if (write) {
-        registers.write(*first, request.values);
-        return std::vector<std::uint16_t>{};
-      }
+    const auto first = first_command(request);
+    if ((modbus::writes(request) && !first) || (modbus::reads(request) && !read(request)))
+      return modbus::Exception::kIllegalAddress;
+    if (first) registers.write(*first, request.values);
+    return modbus::reads(request) ? *read(request) : std::vector<std::uint16_t>{};
+  }
+
+  static std::optional<int> first_command(const modbus::Request& request) {
+    if (!modbus::writes(request)) return std::nullopt;
+    for (const int base : {kCommandsTcp, kCommandsRtu})
+      if (const auto first = offset(modbus::first_written(request), request.values.size(), base))
+        return first;
+    return std::nullopt;
+  }
+
+  [[nodiscard]] std::optional<std::vector<std::uint16_t>> read(const modbus::Request& request) const {
+    if (const auto first = offset(request.address, request.count, kCommandsRtu))
       return part(registers.commands(), *first, request.count);
-    }
     for (const int base : {kStatusTcp, kStatusRtu})
-      if (const auto first = offset(request, base); first && !write)
+      if (const auto first = offset(request.address, request.count, base))
         return part(registers.status(), *first, request.count);
-    return modbus::Exception::kIllegalAddress;
+    return std::nullopt;
   }
 
   static std::vector<std::uint16_t> part(const GripperRegisters::Words& words, int first, int count) {

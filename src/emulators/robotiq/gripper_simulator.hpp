@@ -44,8 +44,8 @@ class GripperServer {
 };
 
 /// A Robotiq 3-finger gripper for any Modbus master. Both register layouts at once: commands at 0 and 1000,
-/// status at 0 and 2000 with functions 3 and 4, commands read back with function 3 at 1000. Every TCP unit id
-/// is served. Its own threads serve and move the plant until it is destroyed.
+/// status at 0 and 2000 with functions 3, 4 and 23, commands read back with function 3 at 1000. Every TCP
+/// unit id is served. Its own threads serve and move the plant until it is destroyed.
 class GripperSimulator final : public GripperServer {
  public:
   /// `plant` must outlive the simulator and is called by its thread only. Throws as TcpListener and

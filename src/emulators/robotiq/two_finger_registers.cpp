@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
+#include <utility>
 
 #include "protocol/gripper_text.hpp"
 #include "stonestack/core/error.hpp"
@@ -12,14 +14,22 @@ namespace {
 // rACT, rGTO, rATR, rARD and their bytes: instruction manuals
 constexpr unsigned kTwoFingerAct = 0x01, kTwoFingerGo = 0x08, kTwoFingerRelease = 0x10, kReleaseOpens = 0x20;
 constexpr std::size_t kPositionByte = 3, kSpeedByte = 4, kForceByte = 5;
-constexpr double kTwoFingerActivation = 200.0;   // counts/s; design choice
-constexpr double kTwoFingerReleaseSpeed = 40.0;  // counts/s; design choice
-constexpr double kMinStep = 0.1;                 // s, of an activation step; design choice
+constexpr double kTwoFingerActivation = 200.0;        // counts/s; design choice
+constexpr double kTwoFingerReleaseSpeed = 40.0;       // counts/s; design choice
+constexpr double kMinStep = 0.1;                      // s, of an activation step; design choice
+constexpr int kDriverActivates = 3, kDriverRuns = 4;  // DST: Robotiq's script
+// Mode, largest current, LED, and the search for grippers: Robotiq's script sets them until it reads "ack".
+constexpr std::array<std::string_view, 7> kKeptVariables{"MOD", "MSC", "LBP",      "LRD",
+                                                         "LBL", "LGN", "SCN_BLOCK"};
+
+bool is_kept(std::string_view variable) {
+  return std::find(kKeptVariables.begin(), kKeptVariables.end(), variable) != kKeptVariables.end();
+}
 
 }  // namespace
 
-TwoFingerRegisters::TwoFingerRegisters(GripperPlant& plant, const GripperFile& file)
-    : plant_(&plant), file_(file) {
+TwoFingerRegisters::TwoFingerRegisters(GripperPlant& plant, const GripperFile& file, int id)
+    : plant_(&plant), file_(file), id_(id) {
   finger_.position = file.open_count;
 }
 
@@ -49,7 +59,7 @@ void TwoFingerRegisters::accept() {
   const bool was_active = (accepted_[0] & kTwoFingerAct) != 0, active = (written_[0] & kTwoFingerAct) != 0;
   accepted_ = written_;
   slipped_ = 0.0;
-  if ((accepted_[0] & kTwoFingerGo) != 0) finger_.status = AxisReport::Status::kMoving;
+  await_motion();
   if (!active) {
     phase_ = Phase::kReset;
     if (faults_.fault >= 10) faults_.fault = 0;
@@ -71,10 +81,18 @@ void TwoFingerRegisters::advance(double seconds) {
   const bool moving = finger_.status == AxisReport::Status::kMoving;
   if (phase_ == Phase::kActivating && !moving && in_step_ >= kMinStep && !faults_.activation_hangs) {
     in_step_ = 0.0;
-    if (++step_ == 3) phase_ = Phase::kReady;
+    if (++step_ == 3) {
+      phase_ = Phase::kReady;
+      await_motion();
+    }
   }
   if (phase_ == Phase::kReleasing && !moving) phase_ = Phase::kReleased;
   if (phase_ == Phase::kReady && (accepted_[0] & kTwoFingerGo) != 0) slipped_ += faults_.slip * seconds;
+}
+
+// The plant has not had the request yet: its report is still that of what it did before.
+void TwoFingerRegisters::await_motion() {
+  if ((accepted_[0] & kTwoFingerGo) != 0) finger_.status = AxisReport::Status::kMoving;
 }
 
 void TwoFingerRegisters::command_plant() {
@@ -135,7 +153,7 @@ int TwoFingerRegisters::position() const {
   return static_cast<int>(std::clamp(std::lround(finger_.position + (slips ? slipped_ : 0.0)), 0L, 255L));
 }
 
-TwoFingerRegisters::Words TwoFingerRegisters::status() const {
+TwoFingerRegisters::Status TwoFingerRegisters::status() const {
   const bool active = (accepted_[0] & kTwoFingerAct) != 0, go = (accepted_[0] & kTwoFingerGo) != 0;
   const int object = go && phase_ == Phase::kReady ? object_status() : 0;
   const int first = (active ? 1 : 0) | (go ? 8 : 0) | stage() << 4 | object << 6;
@@ -145,54 +163,87 @@ TwoFingerRegisters::Words TwoFingerRegisters::status() const {
           static_cast<std::uint16_t>(position() << 8 | current)};
 }
 
-TwoFingerRegisters::Words TwoFingerRegisters::commands() const {
-  Words words{};
+TwoFingerRegisters::Commands TwoFingerRegisters::commands() const {
+  Commands words{};
   for (std::size_t i = 0; i < words.size(); ++i)
     words[i] = static_cast<std::uint16_t>(written_[2 * i] * 256U + written_[2 * i + 1]);
   return words;
+}
+
+// Empty for a variable that does not exist.
+std::string TwoFingerRegisters::value_of(const std::string& variable) const {
+  const Status words = status();
+  const int first = words[0] >> 8U;
+  const auto bit = [&](unsigned mask) { return (accepted_[0] & mask) != 0 ? 1 : 0; };
+  const std::pair<std::string_view, int> numbers[] = {
+      {"ACT", first & 1},
+      {"GTO", first >> 3 & 1},
+      {"STA", first >> 4 & 3},
+      {"OBJ", first >> 6 & 3},
+      {"FLT", words[1] >> 8U},
+      {"PRE", words[1] & 0xFFU},
+      {"POS", words[2] >> 8U},
+      {"COU", words[2] & 0xFFU},
+      {"ATR", bit(kTwoFingerRelease)},
+      {"ARD", bit(kReleaseOpens)},
+      {"SPE", accepted_[kSpeedByte]},
+      {"FOR", accepted_[kForceByte]},
+      {"DST", phase_ == Phase::kReady ? kDriverRuns : kDriverActivates},
+      {"NCY", 0},  // cycles: not reachable
+      {"PCO", 0},  // no problem of the connection
+  };
+  for (const auto& [name, value] : numbers)
+    if (name == variable) return std::to_string(value);
+  if (variable == "SID") return concat("[", id_, "]");
+  if (variable == "SNU" || variable == "FWV" || variable == "VER") return "simulated";
+  const auto kept = kept_.find(variable);
+  if (kept != kept_.end()) return std::to_string(kept->second);
+  return is_kept(variable) ? "0" : "";
+}
+
+// False for a variable that does not exist, and for the id of a gripper that is not there.
+bool TwoFingerRegisters::set(Bytes& bytes, const std::string& variable, int value) {
+  const auto set_bit = [&](unsigned bit) {
+    bytes[0] = static_cast<std::uint8_t>(value != 0 ? bytes[0] | bit : bytes[0] & ~bit);
+    return true;
+  };
+  const auto set_byte = [&](std::size_t at) {
+    bytes[at] = static_cast<std::uint8_t>(value);
+    return true;
+  };
+  if (variable == "ACT") return set_bit(kTwoFingerAct);
+  if (variable == "GTO") return set_bit(kTwoFingerGo);
+  if (variable == "ATR") return set_bit(kTwoFingerRelease);
+  if (variable == "ARD") return set_bit(kReleaseOpens);
+  if (variable == "POS") return set_byte(kPositionByte);
+  if (variable == "SPE") return set_byte(kSpeedByte);
+  if (variable == "FOR") return set_byte(kForceByte);
+  if (variable == "SID") return value == id_;
+  if (!is_kept(variable)) return false;
+  kept_[variable] = value;
+  return true;
 }
 
 std::string TwoFingerRegisters::answer(const std::string& line) {
   const auto parsed = parse_gripper_line(line);
   if (!parsed) return "?";
   if (!parsed->get.empty()) {
-    const Words words = status();
-    const auto value = [&](int number) { return concat(parsed->get, " ", number); };
-    const int first = words[0] >> 8U;
-    if (parsed->get == "ACT") return value(first & 1);
-    if (parsed->get == "GTO") return value(first >> 3 & 1);
-    if (parsed->get == "STA") return value(first >> 4 & 3);
-    if (parsed->get == "OBJ") return value(first >> 6 & 3);
-    if (parsed->get == "FLT") return value(words[1] >> 8U);
-    if (parsed->get == "PRE") return value(words[1] & 0xFFU);
-    if (parsed->get == "POS") return value(words[2] >> 8U);
-    if (parsed->get == "SPE") return value(accepted_[kSpeedByte]);
-    if (parsed->get == "FOR") return value(accepted_[kForceByte]);
-    return "?";
+    const std::string value = value_of(parsed->get);
+    return value.empty() ? "?" : concat(parsed->get, " ", value);
   }
   Bytes bytes = written_;
-  const auto set_bit = [&](unsigned bit, int on) {
-    bytes[0] = static_cast<std::uint8_t>(on != 0 ? bytes[0] | bit : bytes[0] & ~bit);
-  };
-  for (const auto& [name, number] : parsed->set) {
-    if (name == "ACT") {
-      set_bit(kTwoFingerAct, number);
-    } else if (name == "GTO") {
-      set_bit(kTwoFingerGo, number);
-    } else if (name == "ATR") {
-      set_bit(kTwoFingerRelease, number);
-    } else if (name == "ARD") {
-      set_bit(kReleaseOpens, number);
-    } else if (name == "POS" || name == "SPE" || name == "FOR") {
-      bytes[name == "POS"   ? kPositionByte
-            : name == "SPE" ? kSpeedByte
-                            : kForceByte] = static_cast<std::uint8_t>(number);
-    } else {
-      return "?";
-    }
-  }
+  for (const auto& [name, number] : parsed->set)
+    if (!set(bytes, name, number)) return "?";
   written(bytes);
   return "ack";
+}
+
+std::string TwoFingerRegisters::bare_answer(const std::string& line) {
+  const auto parsed = parse_gripper_line(line);
+  const std::string value = parsed ? value_of(parsed->get) : "";
+  const std::size_t digits = !parsed ? 0 : parsed->get == "FLT" ? 2 : parsed->get == "PRE" ? 3 : 1;
+  if (value.empty()) return "?";
+  return std::string(digits - std::min(digits, value.size()), '0') + value;
 }
 
 }  // namespace stonestack::emulators

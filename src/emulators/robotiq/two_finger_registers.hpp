@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <map>
 #include <span>
 #include <string>
 
@@ -14,19 +15,25 @@ namespace stonestack::emulators {
 /// by a plant. Instruction manuals, "Control"; times that they do not give are design choices.
 class TwoFingerRegisters {
  public:
-  static constexpr int kCount = 3;  ///< registers each way
-  using Words = std::array<std::uint16_t, kCount>;
+  static constexpr int kCount = 3;        ///< command registers
+  static constexpr int kStatusCount = 8;  ///< zeros beyond the third; drivers read six
+  using Commands = std::array<std::uint16_t, kCount>;
+  using Status = std::array<std::uint16_t, kStatusCount>;
 
-  TwoFingerRegisters(GripperPlant& plant, const GripperFile& file);
+  /// `id`: the gripper's own on its serial line, which the text socket knows as SID.
+  TwoFingerRegisters(GripperPlant& plant, const GripperFile& file, int id = 9);
   /// A master writes command registers [first, first + values).
   void write(int first, std::span<const std::uint16_t> values);
   void advance(double seconds);
-  [[nodiscard]] Words status() const;
-  [[nodiscard]] Words commands() const;
+  [[nodiscard]] Status status() const;
+  [[nodiscard]] Commands commands() const;
   void set_faults(const GripperFaults& faults) { faults_ = faults; }
 
   /// Answers a line of the URCap's text socket: "ack", "POS 120", or "?" for what is not understood.
   [[nodiscard]] std::string answer(const std::string& line);
+  /// Answers a line that was sent without its end, as Robotiq's own scripts do: the value alone, of PRE with
+  /// three digits, of FLT with two.
+  [[nodiscard]] std::string bare_answer(const std::string& line);
 
  private:
   enum class Phase { kReset, kActivating, kReady, kReleasing, kReleased };
@@ -34,7 +41,10 @@ class TwoFingerRegisters {
 
   void written(const Bytes& bytes);
   void accept();
+  void await_motion();
   void command_plant();
+  [[nodiscard]] std::string value_of(const std::string& variable) const;
+  [[nodiscard]] bool set(Bytes& bytes, const std::string& variable, int value);
   [[nodiscard]] int fault_code() const;
   [[nodiscard]] int object_status() const;
   [[nodiscard]] int stage() const;
@@ -42,6 +52,7 @@ class TwoFingerRegisters {
 
   GripperPlant* plant_;
   GripperFile file_;
+  int id_;
   GripperFaults faults_;
   Bytes written_{};   // by the master
   Bytes accepted_{};  // what the controller acts upon and echoes
@@ -51,6 +62,7 @@ class TwoFingerRegisters {
   double in_step_ = 0.0;
   double slipped_ = 0.0;  // counts
   AxisReport finger_;
+  std::map<std::string, int> kept_;  // variables of the text socket without an effect here
 };
 
 }  // namespace stonestack::emulators

@@ -1,7 +1,9 @@
 #include "emulators/robotiq/two_finger_simulator.hpp"
 
+#include <array>
 #include <atomic>
 #include <chrono>
+#include <utility>
 
 #include "emulators/robotiq/modbus_server.hpp"
 #include "emulators/robotiq/two_finger_registers.hpp"
@@ -17,11 +19,14 @@ constexpr double kLongestTwoFingerTick = 0.1;  // s: a host that was asleep does
 constexpr int kTwoFingerCommands = 0x03E8, kTwoFingerStatus = 0x07D0;
 constexpr double kTextIdle = 3600.0;  // s that a client may stay silent
 constexpr double kTextSend = 2.0;     // s that a client may take to read an answer
+constexpr double kLineEnd = 0.01;     // s until a request without a line end is answered; design choice
 
-std::optional<int> first_register(const modbus::Request& request, int base) {
-  const int first = request.address - base;
-  if (first < 0 || first + request.count > TwoFingerRegisters::kCount) return std::nullopt;
-  return first;
+/// The registers [first, first + count) of a block that begins at `base`.
+template <std::size_t kSize>
+std::optional<std::vector<std::uint16_t>> part(const std::array<std::uint16_t, kSize>& words, int base,
+                                               int first, int count) {
+  if (first < base || first + count > base + static_cast<int>(kSize)) return std::nullopt;
+  return std::vector<std::uint16_t>(words.begin() + (first - base), words.begin() + (first - base + count));
 }
 
 }  // namespace
@@ -36,38 +41,60 @@ struct TwoFingerSimulator::Parts {
   std::unique_ptr<ModbusRtuServer> rtu;
   std::thread stepper;
 
-  Parts(GripperPlant& plant, const GripperFile& file, double faster)
-      : registers(plant, file), speed_up(faster) {}
+  Parts(GripperPlant& plant, const GripperFile& file, const GripperSimulatorOptions& options)
+      : registers(plant, file, options.unit), speed_up(options.speed_up) {}
 
   std::variant<std::vector<std::uint16_t>, modbus::Exception> handle(const modbus::Request& request) {
     const std::lock_guard lock(mutex);
-    const bool write = request.function == modbus::kWriteOne || request.function == modbus::kWriteMany;
-    if (const auto first = first_register(request, kTwoFingerCommands)) {
-      if (!write) return part(registers.commands(), *first, request.count);
-      registers.write(*first, request.values);
-      return std::vector<std::uint16_t>{};
-    }
-    if (const auto first = first_register(request, kTwoFingerStatus); first && !write)
-      return part(registers.status(), *first, request.count);
-    return modbus::Exception::kIllegalAddress;
+    const int first = modbus::first_written(request), count = static_cast<int>(request.values.size());
+    const bool has_place = part(registers.commands(), kTwoFingerCommands, first, count).has_value();
+    if ((modbus::writes(request) && !has_place) || (modbus::reads(request) && !read(request)))
+      return modbus::Exception::kIllegalAddress;
+    if (modbus::writes(request)) registers.write(first - kTwoFingerCommands, request.values);
+    return modbus::reads(request) ? *read(request) : std::vector<std::uint16_t>{};
   }
 
-  static std::vector<std::uint16_t> part(const TwoFingerRegisters::Words& words, int first, int count) {
-    return {words.begin() + first, words.begin() + first + count};
+  [[nodiscard]] std::optional<std::vector<std::uint16_t>> read(const modbus::Request& request) const {
+    if (auto words = part(registers.commands(), kTwoFingerCommands, request.address, request.count))
+      return words;
+    return part(registers.status(), kTwoFingerStatus, request.address, request.count);
   }
 
   void serve(TcpStream& stream) {
-    for (;;) {
-      const LineResult line = stream.read_line(kMaxGripperLine, Deadline::in(kTextIdle));
-      if (!line || !reply(stream, line.line)) return;
+    std::string kept;
+    for (bool bare = false;;) {
+      if (const auto end = kept.find('\n'); end != std::string::npos) {
+        const std::string line = kept.substr(0, end);
+        kept.erase(0, end + 1);
+        const bool late_end = std::exchange(bare, false) && (line.empty() || line == "\r");
+        if (!late_end && !reply(stream, line, false)) return;
+        continue;
+      }
+      if (kept.size() > kMaxGripperLine)
+        throw DeviceError(stream.name(), concat("sent a line longer than ", kMaxGripperLine, " bytes"),
+                          "check that the right program connects here");
+      std::array<std::uint8_t, kMaxGripperLine> part;
+      const bool may_be_all = is_request(kept);
+      const IoResult got = stream.read_some(part, Deadline::in(may_be_all ? kLineEnd : kTextIdle));
+      if (!got && !(may_be_all && got.status == IoStatus::kTimeOut)) return;
+      kept.append(part.begin(), part.begin() + static_cast<std::ptrdiff_t>(got.bytes));
+      if (got) continue;
+      bare = true;
+      if (!reply(stream, std::exchange(kept, {}), true)) return;
     }
   }
 
-  bool reply(TcpStream& stream, const std::string& line) {
+  static bool is_request(const std::string& text) {
+    const auto parsed = parse_gripper_line(text);
+    return parsed && !parsed->get.empty() && text.back() != '\r';
+  }
+
+  bool reply(TcpStream& stream, const std::string& sent, bool bare) {
     std::string answer = "?";
     if (!wire.take(&ModbusFaults::exceptions)) {
       const std::lock_guard lock(mutex);
-      answer = registers.answer(wire.take(&ModbusFaults::wrong_transaction) ? "GET SPE" : line);
+      const std::string line = wire.take(&ModbusFaults::wrong_transaction) ? "GET SPE" : sent;
+      answer = bare ? registers.bare_answer(line) : registers.answer(line);
     }
     if (wire.take(&ModbusFaults::no_reply)) return true;
     if (wire.take(&ModbusFaults::hang_up)) return false;
@@ -97,7 +124,7 @@ struct TwoFingerSimulator::Parts {
 TwoFingerSimulator::TwoFingerSimulator(GripperPlant& plant, const GripperFile& file,
                                        const GripperSimulatorOptions& options) {
   require(options.tcp || options.rtu, "a simulated gripper needs a link: tcp or rtu");
-  parts_ = std::make_unique<Parts>(plant, file, options.speed_up);
+  parts_ = std::make_unique<Parts>(plant, file, options);
   Parts& parts = *parts_;
   if (options.tcp)
     parts.tcp = std::make_unique<TcpService>(ListenOptions{options.address, options.port},

@@ -8,8 +8,8 @@
 namespace stonestack::emulators {
 
 /// A Robotiq 2F-85, 2F-140 or Hand-E: over TCP the text socket of Robotiq's URCap, on a pseudo terminal
-/// Modbus RTU with commands at 1000 and status at 2000 (functions 3 and 4). Its own threads serve and move
-/// the plant until it is destroyed. Of the faults of the wire the text socket has no_reply, hang_up,
+/// Modbus RTU with commands at 1000 and status at 2000 (functions 3, 4 and 23). Its own threads serve and
+/// move the plant until it is destroyed. Of the faults of the wire the text socket has no_reply, hang_up,
 /// exceptions ("?"), delayed, wrong_transaction (the answer to another question), truncated, garbage and
 /// fragments.
 class TwoFingerSimulator final : public GripperServer {

@@ -19,10 +19,13 @@ std::int32_t to_int32(const Value& value) {
   return static_cast<std::int32_t>(integer(value));
 }
 
-std::uint64_t bit(const BuiltinCall& call, int first, int count) {
-  const long long index = integer(arg(call, 0));
+std::uint64_t pin(long long index, int first, int count) {
   if (index < 0 || index >= count) throw ScriptError{concat("Value error: there is no pin ", index)};
   return std::uint64_t{1} << (first + index);
+}
+
+std::uint64_t bit(const BuiltinCall& call, int first, int count) {
+  return pin(integer(arg(call, 0)), first, count);
 }
 
 void set_bit(std::uint64_t& bits, std::uint64_t mask, bool on) {
@@ -79,6 +82,41 @@ void add_registers(std::vector<Builtin>& list) {
                   }});
 }
 
+// Number of an analog port, 0 to `count` - 1.
+std::uint32_t analog_port(const BuiltinCall& call, long long count) {
+  const long long port = integer(arg(call, 0));
+  if (port < 0 || port >= count) throw ScriptError{concat("Value error: there is no analog port ", port)};
+  return static_cast<std::uint32_t>(port);
+}
+
+// Inputs are volts here, and outputs do not follow the program.
+void add_domains(std::vector<Builtin>& list) {
+  list.push_back({"set_analog_inputrange", {"port", "range"}, 2, [](BuiltinCall& c) {
+                    const bool tool = analog_port(c, 4) >= 2;
+                    const long long range = integer(arg(c, 1));
+                    if (range < 0 || range > 2 || (range == 1 && !tool))
+                      throw ScriptError{
+                          concat("Value error: there is no range ", range, " of an analog ",
+                                 tool ? "input: 0, 1 or 2" : "input of the controller: 0 or 2")};
+                    return Outcome(Value());
+                  }});
+  list.push_back({"set_analog_outputdomain", {"port", "domain"}, 2, [](BuiltinCall& c) {
+                    const std::uint32_t port = analog_port(c, 2);
+                    const long long domain = integer(arg(c, 1));
+                    if (domain != 0 && domain != 1)
+                      throw ScriptError{"Value error: an analog output's domain is 0 (mA) or 1 (V)"};
+                    auto& types = controller(c).io.analog_out_types;
+                    types = domain == 1 ? types | 1U << port : types & ~(1U << port);
+                    return Outcome(Value());
+                  }});
+  list.push_back({"set_runstate_outputs", {"outputs"}, 1, [](BuiltinCall& c) {
+                    const auto* outputs = std::get_if<List>(&arg(c, 0).is);
+                    if (outputs == nullptr) throw ScriptError{"Type error: outputs are given as a list"};
+                    for (const Value& output : *outputs) static_cast<void>(pin(integer(output), 0, 18));
+                    return Outcome(Value());
+                  }});
+}
+
 }  // namespace
 
 void add_io(std::vector<Builtin>& list) {
@@ -97,6 +135,7 @@ void add_io(std::vector<Builtin>& list) {
   list.push_back({"set_standard_analog_out", {"n", "f"}, 2, analog});
   list.push_back({"set_analog_out", {"n", "f"}, 2, analog});
   list.push_back({"get_standard_analog_in", {"n"}, 1, [](BuiltinCall&) { return Outcome(Value(0.0)); }});
+  add_domains(list);
   list.push_back({"set_tool_voltage", {"voltage"}, 1, [](BuiltinCall& c) {
                     const long long volts = integer(arg(c, 0));
                     if (volts != 0 && volts != 12 && volts != 24)

@@ -5,6 +5,7 @@
 #include <poll.h>
 #include <sys/socket.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cmath>
@@ -95,21 +96,46 @@ Outcome close(BuiltinCall& call) {
   return Value();
 }
 
-// Waits until `take` finds what it wants in what was received; `nothing` when time is up or the link ends.
-// A time of 0 waits for ever.
-Outcome wait_for(BuiltinCall& call, const std::string& name, double seconds, Value nothing,
+// Waits until `take` finds what it wants in what was received; `leave` gives the value when time is up or the
+// link ends. A time of 0 waits for ever.
+Outcome wait_for(BuiltinCall& call, const std::string& name, double seconds,
+                 std::function<Value(std::string& received)> leave,
                  std::function<std::optional<Value>(std::string& received)> take) {
   const double until = seconds > 0 ? controller(call).uptime() + seconds : INFINITY;
-  auto poll_once = [&host = controller(call), name, until, nothing, take]() -> std::optional<Value> {
+  auto poll_once = [&host = controller(call), name, until, leave, take]() mutable -> std::optional<Value> {
     ScriptSocket* socket = find(host, name);
-    if (!socket) return nothing;
+    std::string none;
+    if (!socket) return leave(none);
     receive(*socket);
     if (auto value = take(socket->received)) return value;
-    if (socket->closed || host.uptime() >= until) return nothing;
+    if (socket->closed || host.uptime() >= until) return leave(socket->received);
     return std::nullopt;
   };
   if (auto at_once = poll_once()) return *at_once;
   return Wait(poll_once);
+}
+
+Outcome wait_for(BuiltinCall& call, const std::string& name, double seconds, const Value& nothing,
+                 std::function<std::optional<Value>(std::string& received)> take) {
+  return wait_for(
+      call, name, seconds, [nothing](std::string&) { return nothing; }, std::move(take));
+}
+
+bool send_to(ScriptSocket& socket, const std::string& bytes) {
+  if (socket.closed) return false;
+  const IoResult result = socket.stream.write_all(bytes, Deadline::in(0));
+  if (result.status != IoStatus::kDone) socket.closed = true;
+  return static_cast<bool>(result);
+}
+
+Outcome send(BuiltinCall& call, const std::string& bytes, std::size_t name = 1) {
+  ScriptSocket* socket = find(controller(call), name_of(call, name));
+  return Value(socket != nullptr && send_to(*socket, bytes));
+}
+
+Outcome set_variable(BuiltinCall& call) {
+  static_cast<void>(send(call, concat("SET ", text(arg(call, 0)), " ", integer(arg(call, 1)), "\n"), 2));
+  return Value();
 }
 
 Outcome read_integers(BuiltinCall& call) {
@@ -153,6 +179,48 @@ Outcome read_floats(BuiltinCall& call) {
                   });
 }
 
+// "name 120": the number, also behind what somebody has not read. A line end need not come: what stayed as it
+// was for a control step is all.
+Outcome get_variable(BuiltinCall& call) {
+  const std::string name = text(arg(call, 0)) + " ";
+  ScriptSocket* socket = find(controller(call), name_of(call, 1));
+  if (!socket || !send_to(*socket, "GET " + text(arg(call, 0)) + "\n")) return Value(0);
+  std::size_t seen = 0;
+  return wait_for(call, name_of(call, 1), kDefaultTimeout, Value(0),
+                  [name, seen](std::string& received) mutable -> std::optional<Value> {
+                    const auto begin = received.find(name);
+                    if (begin == std::string::npos) return std::nullopt;
+                    const auto end = received.find('\n', begin);
+                    const bool all = end != std::string::npos || seen == received.size();
+                    seen = received.size();
+                    char* behind = nullptr;
+                    const char* number = received.c_str() + begin + name.size();
+                    const long long value = std::strtoll(number, &behind, 10);
+                    if (!all || behind == number) return std::nullopt;
+                    received.erase(0, end == std::string::npos ? end : end + 1);
+                    return Value(value);
+                  });
+}
+
+// As many bytes as came in time: Robotiq's scripts ask for more than there may be.
+Outcome read_bytes(BuiltinCall& call) {
+  const long long count = integer(arg(call, 0));
+  if (count < 1 || count > kMaxNumbers) throw ScriptError{"Value error: 1 to 30 bytes can be read"};
+  const auto list_of = [count](std::string& received) {
+    const auto size = std::min(static_cast<std::size_t>(count), received.size());
+    List list{Value(static_cast<long long>(size))};
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i)
+      list.emplace_back(i < size ? static_cast<unsigned char>(received[i]) : -1);
+    received.erase(0, size);
+    return Value(std::move(list));
+  };
+  return wait_for(call, name_of(call, 1), call.number_or(2, kDefaultTimeout), list_of,
+                  [count, list_of](std::string& received) -> std::optional<Value> {
+                    if (received.size() < static_cast<std::size_t>(count)) return std::nullopt;
+                    return list_of(received);
+                  });
+}
+
 Outcome read_line(BuiltinCall& call) {
   return wait_for(call, name_of(call, 0), call.number_or(1, kDefaultTimeout), Value(""),
                   [](std::string& received) -> std::optional<Value> {
@@ -174,14 +242,6 @@ Outcome read_any(BuiltinCall& call) {
                   });
 }
 
-Outcome send(BuiltinCall& call, const std::string& bytes) {
-  ScriptSocket* socket = find(controller(call), name_of(call, 1));
-  if (!socket || socket->closed) return Value(false);
-  const IoResult result = socket->stream.write_all(bytes, Deadline::in(0));
-  if (result.status != IoStatus::kDone) socket->closed = true;
-  return Value(static_cast<bool>(result));
-}
-
 }  // namespace
 
 void receive(ScriptSocket& socket) {
@@ -199,6 +259,9 @@ void add_sockets(std::vector<Builtin>& list) {
   list.push_back({"socket_close", {"socket_name"}, 0, close});
   list.push_back({"socket_read_binary_integer", {"number", "socket_name", "timeout"}, 1, read_integers});
   list.push_back({"socket_read_ascii_float", {"number", "socket_name", "timeout"}, 1, read_floats});
+  list.push_back({"socket_read_byte_list", {"number", "socket_name", "timeout"}, 1, read_bytes});
+  list.push_back({"socket_set_var", {"name", "value", "socket_name"}, 2, set_variable});
+  list.push_back({"socket_get_var", {"name", "socket_name"}, 1, get_variable});
   list.push_back({"socket_read_line", {"socket_name", "timeout"}, 0, read_line});
   list.push_back({"socket_read_string",
                   {"socket_name", "prefix", "suffix", "interpret_escape", "timeout"},

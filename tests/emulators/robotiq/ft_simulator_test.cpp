@@ -106,6 +106,13 @@ TEST(FtSimulator, LibmodbusReadsWhoItIsAndTheJamStopsTheStream) {
   EXPECT_EQ(words[0], 2016);
   ASSERT_EQ(modbus_read_registers(master, 180, 6, words.data()), 6);
   EXPECT_EQ(modbus_read_registers(master, 900, 1, words.data()), -1);
+  modbus_set_response_timeout(master, 0, 100000);
+  words[0] = 0x0200;
+  EXPECT_EQ(modbus_write_and_read_registers(master, 410, 1, words.data(), 410, 1, words.data()), -1)
+      << "the sensor has no function 23";
+  modbus_set_response_timeout(master, 5, 0);
+  ASSERT_EQ(modbus_read_registers(master, 410, 1, words.data()), 1) << modbus_strerror(errno);
+  EXPECT_EQ(words[0], 0U) << "and did not start its stream";
   modbus_close(master);
   modbus_free(master);
 }

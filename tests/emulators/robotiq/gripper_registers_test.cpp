@@ -4,6 +4,9 @@
 
 #include <vector>
 
+#include "emulators/robotiq/two_finger_registers.hpp"
+#include "kinematics/gripper_file.hpp"
+
 namespace stonestack::emulators {
 namespace {
 
@@ -109,6 +112,38 @@ TEST(GripperRegisters, IndividualFingersGoWhereEachIsSent) {
   EXPECT_EQ(bench.byte(10), 0x96U);
   EXPECT_EQ(bench.byte(13), 0x50U);
   EXPECT_EQ(bench.byte(6), 0x64U) << "requests of B are echoed too";
+}
+
+TEST(GripperRegisters, ARequestThatWaitedForTheActivationIsNotReportedAsReached) {
+  for (const std::uint16_t action : {0x0900, 0x0B00}) {  // basic mode, and pinch mode, which it changes to
+    RegisterBench bench;
+    bench.write({action, 0x00FF, 0xFFFF});
+    int ready = 0;
+    for (int i = 0; i < 10000 && ready < 100; ++i) {
+      bench.pass(kTick);
+      if ((bench.byte(0) & 0x30U) != 0x30U) continue;
+      ++ready;
+      ASSERT_EQ(bench.byte(0) >> 6U, 0U) << "ticks since it is ready: " << ready;
+      ASSERT_EQ(bench.byte(1) & 0x3FU, 0U);
+      ASSERT_LT(bench.byte(4), 100U);
+    }
+    EXPECT_EQ(ready, 100);
+    bench.pass(3.0);
+    EXPECT_EQ(bench.byte(0) >> 6U, 3U) << "reached in the end";
+  }
+}
+
+TEST(TwoFingerRegisters, ARequestThatWaitedForTheActivationIsNotReportedAsReached) {
+  const GripperFile file = read_gripper_file("robotiq-2f-85");
+  IdealGripperPlant plant({file.open_count, file.closed_count, 137.0, 0.15});
+  TwoFingerRegisters registers(plant, file);
+  registers.write(0, std::vector<std::uint16_t>{0x0900, 0x00FF, 0xFFFF});
+  const auto first = [&] { return registers.status()[0] >> 8U; };
+  for (int i = 0; i < 10000 && (first() & 0x30U) != 0x30U; ++i) registers.advance(kTick);
+  EXPECT_EQ(first(), 0x39U) << "ready and moving";
+  EXPECT_EQ(registers.status()[1], 0x00FFU) << "towards the request";
+  for (int i = 0; i < 2000; ++i) registers.advance(kTick);
+  EXPECT_EQ(first(), 0xF9U);
 }
 
 TEST(GripperRegisters, AModeChangeTakesTimeAndPinchClosesLess) {

@@ -127,6 +127,36 @@ void drive_by_libmodbus(modbus_t* master, int commands, int status) {
   EXPECT_EQ(words[1], 0x0080U) << "commands can be read back";
 }
 
+TEST(GripperSimulator, WritesBeforeItReadsInOneRequest) {
+  IdealGripperPlant plant;
+  const GripperSimulator simulator(plant, fast(true));
+  for (const bool rtu : {false, true}) {
+    modbus_t* master = rtu ? modbus_new_rtu(simulator.serial_path().c_str(), 115200, 'N', 8, 1)
+                           : modbus_new_tcp("127.0.0.1", simulator.endpoint().port);
+    modbus_set_slave(master, 9);
+    modbus_set_response_timeout(master, 5, 0);
+    ASSERT_EQ(modbus_connect(master), 0);
+    const std::array<std::uint16_t, 3> go{0x0100, static_cast<std::uint16_t>(rtu ? 0x0040 : 0x0080), 0xFFFF};
+    std::array<std::uint16_t, 3> words{};
+    ASSERT_EQ(modbus_write_and_read_registers(master, 0x03E8, 3, go.data(), 0x07D0, 3, words.data()), 3)
+        << modbus_strerror(errno);
+    EXPECT_EQ(words[0] >> 8U & 0x01U, 1U);
+    EXPECT_EQ(words[1], go[1]) << "the request is echoed";
+    modbus_close(master);
+    modbus_free(master);
+  }
+  modbus_t* master = modbus_new_tcp("127.0.0.1", simulator.endpoint().port);
+  ASSERT_EQ(modbus_connect(master), 0);
+  const std::array<std::uint16_t, 1> position{0x0011};
+  std::array<std::uint16_t, 3> words{};
+  EXPECT_EQ(modbus_write_and_read_registers(master, 0x03E9, 1, position.data(), 4000, 1, words.data()), -1);
+  EXPECT_EQ(errno, EMBXILADD);
+  EXPECT_EQ(modbus_read_registers(master, 0x03E8, 3, words.data()), 3);
+  EXPECT_EQ(words[1], 0x0040U) << "a request that is refused writes nothing";
+  modbus_close(master);
+  modbus_free(master);
+}
+
 TEST(GripperSimulator, LibmodbusDrivesItOverTcpInBothLayouts) {
   IdealGripperPlant plant;
   const GripperSimulator simulator(plant, fast(false));

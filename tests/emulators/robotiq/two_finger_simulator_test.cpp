@@ -203,6 +203,81 @@ TEST_P(UrCapSocket, SpeaksTheTextOfTheUrCap) {
   EXPECT_EQ(ask("open\n", 1), "?");
 }
 
+/// A connection to the text socket that sends pieces of lines.
+class TextPieces {
+ public:
+  explicit TextPieces(const Endpoint& server)
+      : stream_(TcpStream::connect(server, Deadline::in(kTwoFingerLong))) {}
+  std::string ask(const std::string& text, std::size_t length) {
+    EXPECT_TRUE(stream_.write_all(text, Deadline::in(kTwoFingerLong)));
+    std::vector<std::uint8_t> answer(length);
+    const IoResult got = stream_.read_exact(answer, Deadline::in(patience_));
+    if (!got) patience_ = 0.1;  // no answer is a failure, and need not be a long one for each request
+    return {answer.begin(), answer.begin() + static_cast<std::ptrdiff_t>(got.bytes)};
+  }
+  bool is_silent_after(const std::string& text) {
+    EXPECT_TRUE(stream_.write_all(text, Deadline::in(kTwoFingerLong)));
+    std::array<std::uint8_t, 16> answer{};
+    return stream_.read_some(answer, Deadline::in(0.1)).status == IoStatus::kTimeOut;
+  }
+
+ private:
+  TcpStream stream_;
+  double patience_ = kTwoFingerLong;
+};
+
+TEST_P(UrCapSocket, AnswersARequestWithoutALineEndByTheBareValue) {
+  TextPieces client(simulator_.endpoint());
+  EXPECT_EQ(client.ask("GET STA", 1), "0");
+  EXPECT_TRUE(client.is_silent_after("\n")) << "a line end that comes late";
+  EXPECT_EQ(client.ask("GET OBJ", 1), "0");
+  EXPECT_EQ(client.ask("GET GTO", 1), "0");
+  EXPECT_EQ(client.ask("GET FLT", 2), "00");
+  EXPECT_EQ(client.ask("SET SPE 7 FOR 8 POS 9\n", 3), "ack");
+  EXPECT_EQ(client.ask("GET PRE", 3), "009");
+  EXPECT_EQ(client.ask("GET PRE\n", 5), "PRE 9") << "with its end it is answered in full";
+  EXPECT_EQ(client.ask("GET POSE", 1), "?");
+  std::string many;
+  for (int i = 0; i < 40; ++i) many += "GET FOR\n";
+  std::string answers;
+  for (int i = 0; i < 40; ++i) answers += "FOR 8";
+  EXPECT_EQ(client.ask(many, answers.size()), answers) << "lines that come together";
+}
+
+TEST_P(UrCapSocket, WaitsForTheEndOfALineThatSets) {
+  TextPieces client(simulator_.endpoint());
+  for (const std::string piece : {"SET POS", " ", "120", " ", "SPE", " ", "255"})
+    EXPECT_TRUE(client.is_silent_after(piece)) << piece;
+  EXPECT_EQ(client.ask(" FOR 1\n", 3), "ack");
+  EXPECT_EQ(client.ask("GET PRE\n", 7), "PRE 120");
+}
+
+TEST_P(UrCapSocket, KeepsTheVariablesThatRobotiqsScriptSets) {
+  TextPieces client(simulator_.endpoint());
+  EXPECT_EQ(client.ask("GET MSC\n", 5), "MSC 0");
+  for (const std::string name : {"MOD", "MSC", "LBP", "LRD", "LBL", "LGN", "SCN_BLOCK"}) {
+    EXPECT_EQ(client.ask("SET " + name + " 50\n", 3), "ack") << name;
+    EXPECT_EQ(client.ask("GET " + name + "\n", name.size() + 3), name + " 50");
+  }
+  EXPECT_EQ(client.ask("GET MSC", 2), "50");
+  EXPECT_EQ(client.ask("SET ARD 1\n", 3), "ack");
+  EXPECT_EQ(client.ask("GET ARD\n", 5), "ARD 1");
+  EXPECT_EQ(client.ask("GET ATR\n", 5), "ATR 0");
+  EXPECT_EQ(client.ask("GET COU\n", 5), "COU 0");
+  EXPECT_EQ(client.ask("GET NCY", 1), "0");
+  EXPECT_EQ(client.ask("GET PCO", 1), "0");
+  EXPECT_EQ(client.ask("GET DST", 1), "3") << "not active";
+  for (const std::string name : {"SNU", "FWV", "VER"})
+    EXPECT_EQ(client.ask("GET " + name, 9), "simulated") << name;
+}
+
+TEST_P(UrCapSocket, AcknowledgesItsOwnIdOnly) {
+  TextPieces client(simulator_.endpoint());
+  EXPECT_EQ(client.ask("GET SID", 3), "[9]");
+  EXPECT_EQ(client.ask("SET SID 9\n", 3), "ack");
+  EXPECT_EQ(client.ask("SET SID 5\n", 1), "?") << "no such gripper is connected";
+}
+
 TEST_P(UrCapSocket, ReconnectsAfterTheConnectionDropped) {
   TwoFingerGripper gripper(options());
   gripper.activate();
@@ -256,6 +331,66 @@ TEST_P(UrCapSocket, AClosedPortIsADeviceError) {
   }
   EXPECT_THAT([&] { TwoFingerGripper gripper(o); },
               ThrowsMessage<DeviceError>(AllOf(HasSubstr("(URCap)"), HasSubstr("URCap is installed"))));
+}
+
+/// A foreign master on the serial line of a 2F-85.
+class TwoFingerMaster : public testing::Test {
+ protected:
+  TwoFingerMaster() {
+    modbus_set_slave(master_, 9);
+    modbus_set_response_timeout(master_, 5, 0);
+    EXPECT_EQ(modbus_connect(master_), 0);
+  }
+  ~TwoFingerMaster() override {
+    modbus_close(master_);
+    modbus_free(master_);
+  }
+  GripperFile file_ = read_gripper_file("robotiq-2f-85");
+  IdealGripperPlant plant_{counts_of(file_)};
+  TwoFingerSimulator simulator_{plant_, file_, quick_gripper()};
+  modbus_t* master_ = modbus_new_rtu(simulator_.serial_path().c_str(), 115200, 'N', 8, 1);
+};
+
+TEST_F(TwoFingerMaster, ReadsMoreStatusRegistersThanHaveAMeaning) {
+  std::array<std::uint16_t, 9> words{};
+  for (const int count : {6, 8}) {  // the driver of Robotiq's ROS 2 package reads six
+    words.fill(0xFFFF);
+    ASSERT_EQ(modbus_read_registers(master_, 0x07D0, count, words.data()), count) << modbus_strerror(errno);
+    for (std::size_t i = 3; i < static_cast<std::size_t>(count); ++i) EXPECT_EQ(words[i], 0U) << i;
+  }
+  modbus_set_response_timeout(master_, 0, 100000);
+  EXPECT_EQ(modbus_read_registers(master_, 0x07D0, 9, words.data()), -1);
+  EXPECT_EQ(modbus_read_registers(master_, 0x03E8, 4, words.data()), -1) << "commands are three";
+}
+
+TEST_F(TwoFingerMaster, WritesBeforeItReadsInOneRequest) {
+  std::array<std::uint16_t, 3> request{0x0100, 0x0037, 0xFFFF}, words{};
+  ASSERT_EQ(modbus_write_and_read_registers(master_, 0x03E8, 3, request.data(), 0x07D0, 3, words.data()), 3)
+      << modbus_strerror(errno);
+  EXPECT_EQ(words[0] >> 8U & 0x01U, 1U);
+  EXPECT_EQ(words[1], 0x0037U) << "the request is echoed";
+  modbus_set_response_timeout(master_, 0, 100000);
+  request[0] = 0x00E6;
+  EXPECT_EQ(modbus_write_and_read_registers(master_, 0x03E9, 1, request.data(), 4000, 1, words.data()), -1);
+  modbus_set_response_timeout(master_, 5, 0);
+  ASSERT_EQ(modbus_read_registers(master_, 0x03E8, 3, words.data()), 3);
+  EXPECT_EQ(words[1], 0x0037U) << "a request that is refused writes nothing";
+}
+
+TEST_F(TwoFingerMaster, GetsTheManualsReplyToAReadAndAWriteInOne) {
+  // The manual's gripper has fault 9 and is not active, as one is that releases.
+  GripperFaults faults;
+  faults.fault = 9;
+  simulator_.set_faults(faults);
+  ASSERT_EQ(modbus_write_register(master_, 0x03E8, 0x0100), 1);
+  ASSERT_EQ(modbus_write_register(master_, 0x03E8, 0x1100), 1);
+  const std::array<std::uint8_t, 15> request{0x09, 0x17, 0x07, 0xD0, 0x00, 0x02, 0x03, 0xE9,
+                                             0x00, 0x02, 0x04, 0x00, 0xE6, 0x3C, 0xC8};
+  ASSERT_EQ(modbus_send_raw_request(master_, request.data(), static_cast<int>(request.size())), 17);
+  std::array<std::uint8_t, MODBUS_RTU_MAX_ADU_LENGTH> reply{};
+  ASSERT_EQ(modbus_receive_confirmation(master_, reply.data()), 9);
+  const std::array<std::uint8_t, 9> expected{0x09, 0x17, 0x04, 0x01, 0x00, 0x09, 0xE6, 0xF6, 0xC1};
+  EXPECT_TRUE(std::equal(expected.begin(), expected.end(), reply.begin()));
 }
 
 /// A foreign master, with the frames of the manual.
