@@ -452,6 +452,32 @@ TEST(UrWire, AnUnlockOnAScriptPortIsKeptUntilItMayBe) {
   EXPECT_EQ(bench.controller.safety_mode, SafetyMode::kRobotEmergencyStop);
 }
 
+/// Safety modes that the messages since the last call report.
+std::vector<int> reported_safety_modes(UrController& controller) {
+  std::vector<int> modes;
+  for (const auto& event : controller.take_events())
+    if (event.kind == ControllerEvent::Kind::kSafetyMode) modes.push_back(event.code);
+  return modes;
+}
+TEST(UrWire, EveryChangeOfTheSafetyModeIsReported) {
+  // The messages are the only source of the safety mode for UR's PrimaryClient.
+  ScriptBench bench;
+  UrController& c = bench.controller;
+  c.protective_stop(153, "test");
+  EXPECT_THAT(reported_safety_modes(c), ElementsAre(3));
+  EXPECT_FALSE(c.unlock_protective_stop());
+  EXPECT_THAT(reported_safety_modes(c), ElementsAre()) << "refused";
+  for (int k = 0; k < 630; ++k) c.step();
+  EXPECT_TRUE(c.unlock_protective_stop());
+  EXPECT_THAT(reported_safety_modes(c), ElementsAre(1));
+  c.restart_safety();
+  EXPECT_THAT(reported_safety_modes(c), ElementsAre()) << "it was normal before";
+  c.emergency_stop();
+  EXPECT_THAT(reported_safety_modes(c), ElementsAre(7));
+  c.restart_safety();
+  EXPECT_THAT(reported_safety_modes(c), ElementsAre(1));
+}
+
 TEST(UrWire, APathThatCannotBeFollowedIsAWarningToClients) {
   ScriptBench bench;
   for (const auto& [code, level] : {std::pair{153, 2}, std::pair{157, 3}}) {

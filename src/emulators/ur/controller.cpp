@@ -138,14 +138,10 @@ void UrController::power_off() {
 
 void UrController::protective_stop(int code, const std::string& reason) {
   if (safety_mode != SafetyMode::kNormal) return;
-  safety_mode = SafetyMode::kProtectiveStop;
   stopped_at_ = uptime();
   motion.freeze();
   if (program_running()) runtime_ = RuntimeState::kPaused;
-  ControllerEvent safety;
-  safety.kind = ControllerEvent::Kind::kSafetyMode;
-  safety.code = static_cast<int>(safety_mode);
-  emit(safety);
+  set_safety_mode(SafetyMode::kProtectiveStop);
   ControllerEvent error;
   error.kind = ControllerEvent::Kind::kErrorCode;
   error.code = code;
@@ -158,23 +154,29 @@ void UrController::protective_stop(int code, const std::string& reason) {
 bool UrController::unlock_protective_stop() {
   if (safety_mode != SafetyMode::kProtectiveStop || faults.refuse_unlock) return false;
   if (uptime() - stopped_at_ < kUnlockAfter) return false;
-  safety_mode = SafetyMode::kNormal;
+  set_safety_mode(SafetyMode::kNormal);
   if (!measured_.hit.empty()) touched_ = Touched{measured_.q, measured_.force_R.norm(), uptime()};
   return true;
 }
 
 void UrController::emergency_stop() {
   power_off();
-  safety_mode = SafetyMode::kRobotEmergencyStop;
-  ControllerEvent safety;
-  safety.kind = ControllerEvent::Kind::kSafetyMode;
-  safety.code = static_cast<int>(safety_mode);
-  emit(safety);
+  set_safety_mode(SafetyMode::kRobotEmergencyStop);
 }
 
 void UrController::restart_safety() {
   power_off();
-  safety_mode = SafetyMode::kNormal;
+  set_safety_mode(SafetyMode::kNormal);
+}
+
+// Some clients know the mode from the messages alone.
+void UrController::set_safety_mode(SafetyMode mode) {
+  if (safety_mode == mode) return;
+  safety_mode = mode;
+  ControllerEvent event;
+  event.kind = ControllerEvent::Kind::kSafetyMode;
+  event.code = static_cast<int>(mode);
+  emit(std::move(event));
 }
 
 void UrController::input_written(const std::string& name) {

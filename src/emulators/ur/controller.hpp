@@ -183,6 +183,7 @@ class UrController : public urscript::Host {
 
  private:
   void trigger_faults();
+  void set_safety_mode(SafetyMode mode);
   void change_power();
   void watch();
   void run_programs();
