@@ -459,6 +459,7 @@ std::vector<int> reported_safety_modes(UrController& controller) {
     if (event.kind == ControllerEvent::Kind::kSafetyMode) modes.push_back(event.code);
   return modes;
 }
+
 TEST(UrWire, EveryChangeOfTheSafetyModeIsReported) {
   // The messages are the only source of the safety mode for UR's PrimaryClient.
   ScriptBench bench;
@@ -478,14 +479,15 @@ TEST(UrWire, EveryChangeOfTheSafetyModeIsReported) {
   EXPECT_THAT(reported_safety_modes(c), ElementsAre(1));
 }
 
-TEST(UrWire, APathThatCannotBeFollowedIsAWarningToClients) {
+TEST(UrWire, ProtectiveStopsAreWarningsToClients) {
+  // UR's client library, doc/architecture/primary_client.rst: "protective stops are reported as warnings".
   ScriptBench bench;
-  for (const auto& [code, level] : {std::pair{153, 2}, std::pair{157, 3}}) {
+  for (const int code : {153, 157, 206}) {
     bench.controller.safety_mode = SafetyMode::kNormal;
     bench.controller.protective_stop(code, "test");
     const auto events = bench.controller.take_events();
     ASSERT_EQ(events.back().kind, ControllerEvent::Kind::kErrorCode);
-    EXPECT_EQ(events.back().level, level) << code;
+    EXPECT_EQ(events.back().level, 2) << code;
   }
 }
 

@@ -19,7 +19,7 @@ constexpr double kApart = 0.2;            // s; links are looked at every 50 ms
 constexpr double kScalingRate = 5.0;      // 1/s, how fast the speed slider takes effect
 constexpr std::size_t kHistory = 1000;    // control steps
 constexpr int kPathDeviation = 153, kCollision = 157;  // C-codes of protective stops
-constexpr int kWarning = 2, kViolation = 3;            // report levels
+constexpr int kWarning = 2;                            // report level
 constexpr std::uint64_t kEarlyCheck = 13;      // every so many steps RTDE samples before a script is through
 constexpr double kStopAcceleration = 10.0;     // rad/s^2 when a program ends in motion
 constexpr std::uint32_t kFirstWithSensor = 5;  // PolyScope of the e-Series
@@ -145,8 +145,8 @@ void UrController::protective_stop(int code, const std::string& reason) {
   ControllerEvent error;
   error.kind = ControllerEvent::Kind::kErrorCode;
   error.code = code;
-  // C153A0 is a warning to UR's own client library, whose tests go by the level.
-  error.level = code == kPathDeviation ? kWarning : kViolation;
+  // "Protective stops are reported as warnings by the robot" (UR's client library, primary_client.rst).
+  error.level = kWarning;
   error.text = reason;
   emit(error);
 }
