@@ -452,6 +452,23 @@ TEST(UrWire, AnUnlockOnAScriptPortIsKeptUntilItMayBe) {
   EXPECT_EQ(bench.controller.safety_mode, SafetyMode::kRobotEmergencyStop);
 }
 
+TEST(UrWire, AnUnlockOnAScriptPortIsCarriedOutInTheStepAtFiveSeconds) {
+  for (const char* version : {"3.15.8.106339", "5.12.2.1101534"}) {
+    ScriptBench bench(version);
+    UrController& c = bench.controller;
+    const int steps = static_cast<int>(5.0 / c.period() + 0.5);
+    for (int offset = 0; offset < 40; ++offset) {
+      c.step();
+      c.protective_stop(153, "test");
+      c.unlock_when_allowed();
+      for (int k = 1; k < steps; ++k) c.step();
+      ASSERT_EQ(c.safety_mode, SafetyMode::kProtectiveStop) << version << ", " << offset;
+      c.step();
+      ASSERT_EQ(c.safety_mode, SafetyMode::kNormal) << version << ", " << offset;
+    }
+  }
+}
+
 /// Safety modes that the messages since the last call report.
 std::vector<int> reported_safety_modes(UrController& controller) {
   std::vector<int> modes;

@@ -13,6 +13,7 @@ namespace {
 constexpr double kLongSinceBoot = 100.0;  // s: clients wait for 40
 constexpr double kPowerSeconds = 1.0;     // a step of the sequence from power off to brakes released
 constexpr double kUnlockAfter = 5.0;      // s
+constexpr double kRounding = 1e-9;        // s, of times on the control step
 constexpr double kHarder = 20.0;          // N, than when a stop was acknowledged: the arm is pushed on
 constexpr double kTouchLeft = 0.2;        // rad of a joint, in which a touch is left
 constexpr double kApart = 0.2;            // s; links are looked at every 50 ms
@@ -153,7 +154,7 @@ void UrController::protective_stop(int code, const std::string& reason) {
 
 bool UrController::unlock_protective_stop() {
   if (safety_mode != SafetyMode::kProtectiveStop || faults.refuse_unlock) return false;
-  if (uptime() - stopped_at_ < kUnlockAfter) return false;
+  if (uptime() - stopped_at_ < kUnlockAfter - kRounding) return false;
   set_safety_mode(SafetyMode::kNormal);
   if (!measured_.hit.empty()) touched_ = Touched{measured_.q, measured_.force_R.norm(), uptime()};
   return true;
@@ -185,7 +186,7 @@ void UrController::input_written(const std::string& name) {
 
 void UrController::watch() {
   if (watchdog.period <= 0 || !program_running()) return;
-  if (uptime() - watchdog.fed <= watchdog.period + 1e-9) return;
+  if (uptime() - watchdog.fed <= watchdog.period + kRounding) return;
   if (watchdog.action == "stop") {
     stop_program();
   } else if (watchdog.action == "pause") {
