@@ -5,8 +5,10 @@
 
 #include "emulators/ur/dashboard_session.hpp"
 #include "emulators/ur/primary_messages.hpp"
+#include "emulators/ur/rtde_access.hpp"
 #include "emulators/ur/rtde_session.hpp"
 #include "emulators/ur/script_queue.hpp"
+#include "protocol/big_endian.hpp"
 #include "script_bench.hpp"
 #include "urscript/script_collector.hpp"
 
@@ -506,6 +508,49 @@ TEST(UrWire, ProtectiveStopsAreWarningsToClients) {
     ASSERT_EQ(events.back().kind, ControllerEvent::Kind::kErrorCode);
     EXPECT_EQ(events.back().level, 2) << code;
   }
+}
+
+TEST(UrWire, SpeedScalingLeavesTheSliderOut) {
+  // Clients multiply speed_scaling by target_speed_fraction.
+  ScriptBench bench;
+  UrController& c = bench.controller;
+  struct Speeds {
+    double scaling = 0.0, fraction = 0.0;
+  };
+  const auto by_rtde = [&] {
+    const auto read = [&](const char* name) {
+      return std::get<double>(rtde_reader(*find_rtde_output(name))(c));
+    };
+    return Speeds{read("speed_scaling"), read("target_speed_fraction")};
+  };
+  const auto by_state = [&] {
+    const std::string state = encode_robot_state(c);
+    protocol::BigEndianReader in(std::string_view(state).substr(27));  // behind flags and modes
+    Speeds speeds;
+    in.get(speeds.fraction);
+    in.get(speeds.scaling);
+    return speeds;
+  };
+  c.speed_slider = 0.5;
+  c.run_script("def s():\n  speedj([0.4,0,0,0,0,0], 4.0, 60)\nend\n");
+  bench.run(1.0);
+  EXPECT_NEAR(c.plant().qd[0], 0.2, 1e-9);
+  for (const Speeds& speeds : {by_rtde(), by_state()}) {
+    EXPECT_EQ(speeds.fraction, 0.5);
+    EXPECT_EQ(speeds.scaling, 1.0);
+    EXPECT_NEAR(0.4 * speeds.fraction * speeds.scaling, c.plant().qd[0], 1e-9);
+  }
+  EXPECT_TRUE(c.pause_program());
+  bench.run(0.5);
+  EXPECT_EQ(c.plant().qd[0], 0.0);
+  EXPECT_EQ(by_rtde().fraction, 0.5);
+  EXPECT_EQ(by_rtde().scaling, 0.0);
+  EXPECT_TRUE(c.resume_program());
+  c.speed_slider = 0.0;
+  bench.run(0.5);
+  EXPECT_EQ(c.plant().qd[0], 0.0);
+  EXPECT_EQ(by_rtde().fraction, 0.0);
+  EXPECT_EQ(by_rtde().scaling, 1.0);
 }
 
 TEST(UrWire, AStopThatCannotBeAcknowledged) {

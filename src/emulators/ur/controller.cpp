@@ -17,7 +17,7 @@ constexpr double kRounding = 1e-9;        // s, of times on the control step
 constexpr double kHarder = 20.0;          // N, than when a stop was acknowledged: the arm is pushed on
 constexpr double kTouchLeft = 0.2;        // rad of a joint, in which a touch is left
 constexpr double kApart = 0.2;            // s; links are looked at every 50 ms
-constexpr double kScalingRate = 5.0;      // 1/s, how fast the speed slider takes effect
+constexpr double kScalingRate = 5.0;      // 1/s, how fast the speed slider and a pause take effect
 constexpr std::size_t kHistory = 1000;    // control steps
 constexpr int kPathDeviation = 153, kCollision = 157;  // C-codes of protective stops
 constexpr int kWarning = 2;                            // report level
@@ -226,13 +226,20 @@ void UrController::set_payload(double mass, const Eigen::Vector3d& p_F_cog) {
   zero_sensor();  // script manual, set_target_payload
 }
 
-void UrController::move() {
-  const double goal = runtime_ == RuntimeState::kPaused ? 0.0 : std::clamp(speed_slider, 0.0, 1.0);
+void UrController::scale_speed() {
   const double change = kScalingRate * period_;
-  scaling_ += std::clamp(goal - scaling_, -change, change);
+  const auto approach = [&](double& value, double goal) {
+    value += std::clamp(goal - value, -change, change);
+  };
+  approach(slider_, std::clamp(speed_slider, 0.0, 1.0));
+  approach(limiter_, runtime_ == RuntimeState::kPaused ? 0.0 : 1.0);
+}
+
+void UrController::move() {
+  scale_speed();
   if (!can_move()) return;
   if (!program_ && motion.moving() && motion.done()) motion.stop_joints(kStopAcceleration);
-  const std::string refused = motion.step(period_ * scaling_, wrench_at_tool());
+  const std::string refused = motion.step(period_ * scaling(), wrench_at_tool());
   if (!refused.empty()) protective_stop(kPathDeviation, "Protective stop: " + refused);
 }
 

@@ -159,7 +159,10 @@ class UrController : public urscript::Host {
   /// Force on the tool without the payload's weight that many control steps ago, base axes, without the
   /// sensor's errors; of the oldest step that is known.
   [[nodiscard]] Eigen::Vector3d force_before(std::size_t steps) const;
-  [[nodiscard]] double scaling() const { return scaling_; }
+  /// Share of its path's speed that the arm has: slider times limiter.
+  [[nodiscard]] double scaling() const { return slider_ * limiter_; }
+  /// RTDE's speed_scaling, "of the trajectory limiter": what holds the arm besides the slider. 0 in a pause.
+  [[nodiscard]] double limiter() const { return limiter_; }
 
   ControllerFaults faults;
   Motion motion;
@@ -191,6 +194,7 @@ class UrController : public urscript::Host {
   void take_program_asked_for();
   void end_program(const char* key);
   void report(const urscript::CompileError& error, const urscript::Program* secondary);
+  void scale_speed();
   void move();
   void measure();
   void feel(const Pose& T_B_F, const Eigen::Vector3d& force_B, const Eigen::Vector3d& torque_B);
@@ -228,7 +232,7 @@ class UrController : public urscript::Host {
   bool asked_ = false;  // External Control waits for its program
   RuntimeState runtime_ = RuntimeState::kStopped;
   double program_started_ = 0.0;
-  double scaling_ = 1.0;
+  double slider_ = 1.0, limiter_ = 1.0;  // as they take effect
   double stopped_at_ = -1.0;  // protective stop
   bool unlock_asked_ = false;
   std::optional<Touched> touched_;
