@@ -219,6 +219,36 @@ TEST(UrMotion, ProtectiveStopsCanBeAcknowledgedAfterFiveSeconds) {
   EXPECT_EQ(bench.texts, "on");
 }
 
+TEST(UrMotion, PausingAndResumingAreStatesOfTheirOwn) {
+  ScriptBench bench;
+  UrController& c = bench.controller;
+  c.run_script("def m():\n  movej([1,-1.3,1.6,-1.8,-1.5,0.2])\nend\n");
+  bench.run(0.4);
+  EXPECT_TRUE(c.pause_program());
+  EXPECT_FALSE(c.pause_program()) << "it is pausing already";
+  int braking = 0;
+  for (; braking < 100; ++braking) {
+    const Joints q = c.plant().q;
+    bench.run(c.period());
+    if (c.runtime() != RuntimeState::kPausing) break;
+    ASSERT_NE(c.plant().q, q) << "the arm is still being braked";
+    EXPECT_FALSE(c.program_running());
+  }
+  EXPECT_EQ(c.runtime(), RuntimeState::kPaused);
+  EXPECT_NEAR(braking * c.period(), 0.2, 0.02);
+  const Joints held = c.plant().q;
+  bench.run(0.5);
+  EXPECT_EQ(c.plant().q, held);
+  EXPECT_TRUE(c.resume_program());
+  EXPECT_TRUE(c.program_running());
+  EXPECT_FALSE(c.resume_program()) << "it runs";
+  bench.run(c.period());
+  EXPECT_EQ(c.runtime(), RuntimeState::kResuming);
+  EXPECT_NE(c.plant().q, held);
+  bench.run(c.period());
+  EXPECT_EQ(c.runtime(), RuntimeState::kPlaying);
+}
+
 TEST(UrMotion, WatchdogStopsWithinItsTime) {
   ScriptBench bench;
   bench.controller.run_script(

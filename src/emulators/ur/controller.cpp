@@ -141,7 +141,7 @@ void UrController::protective_stop(int code, const std::string& reason) {
   if (safety_mode != SafetyMode::kNormal) return;
   stopped_at_ = uptime();
   motion.freeze();
-  if (program_running()) runtime_ = RuntimeState::kPaused;
+  if (program_running()) runtime_ = RuntimeState::kPausing;
   set_safety_mode(SafetyMode::kProtectiveStop);
   ControllerEvent error;
   error.kind = ControllerEvent::Kind::kErrorCode;
@@ -232,7 +232,9 @@ void UrController::scale_speed() {
     value += std::clamp(goal - value, -change, change);
   };
   approach(slider_, std::clamp(speed_slider, 0.0, 1.0));
-  approach(limiter_, runtime_ == RuntimeState::kPaused ? 0.0 : 1.0);
+  if (runtime_ == RuntimeState::kResuming && limiter_ > 0) runtime_ = RuntimeState::kPlaying;
+  approach(limiter_, program_held() ? 0.0 : 1.0);
+  if (runtime_ == RuntimeState::kPausing && limiter_ == 0) runtime_ = RuntimeState::kPaused;
 }
 
 void UrController::move() {

@@ -15,6 +15,7 @@ namespace stonestack::emulators {
 
 enum class RobotMode { kPowerOff = 3, kPowerOn = 4, kIdle = 5, kBackdrive = 6, kRunning = 7 };
 enum class SafetyMode { kNormal = 1, kProtectiveStop = 3, kRobotEmergencyStop = 7, kFault = 9 };
+/// Pausing lasts until the arm has been braked to rest, resuming until it moves again.
 enum class RuntimeState {
   kStopping = 0,
   kStopped = 1,
@@ -130,7 +131,13 @@ class UrController : public urscript::Host {
   void emit(ControllerEvent event) { events_.push_back(std::move(event)); }
   [[nodiscard]] std::vector<ControllerEvent> take_events();
 
-  [[nodiscard]] bool program_running() const { return runtime_ == RuntimeState::kPlaying; }
+  [[nodiscard]] bool program_running() const {
+    return runtime_ == RuntimeState::kPlaying || runtime_ == RuntimeState::kResuming;
+  }
+  /// Paused, or being braked for a pause.
+  [[nodiscard]] bool program_held() const {
+    return runtime_ == RuntimeState::kPausing || runtime_ == RuntimeState::kPaused;
+  }
   [[nodiscard]] RuntimeState runtime() const { return runtime_; }
   [[nodiscard]] const std::string& program_name() const { return program_name_; }
   [[nodiscard]] int program_line() const { return program_ ? program_->line() : 0; }

@@ -154,13 +154,13 @@ bool UrController::play_loaded() {
 
 bool UrController::pause_program() {
   if (!program_running()) return false;
-  runtime_ = RuntimeState::kPaused;
+  runtime_ = RuntimeState::kPausing;
   return true;
 }
 
 bool UrController::resume_program() {
-  if (runtime_ != RuntimeState::kPaused || !can_move()) return false;
-  runtime_ = RuntimeState::kPlaying;
+  if (!program_held() || !can_move()) return false;
+  runtime_ = RuntimeState::kResuming;
   watchdog.fed = uptime();
   return true;
 }

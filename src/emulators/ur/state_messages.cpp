@@ -49,7 +49,7 @@ std::string robot_mode_data(const UrController& c) {
   put(data, c.safety_mode == SafetyMode::kRobotEmergencyStop);
   put(data, c.safety_mode == SafetyMode::kProtectiveStop);
   put(data, c.program_running());
-  put(data, c.runtime() == RuntimeState::kPaused);
+  put(data, c.program_held());
   put(data, static_cast<std::uint8_t>(c.robot_mode));
   put(data, std::uint8_t{0});  // position control
   put(data, c.speed_slider);
