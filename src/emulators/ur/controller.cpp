@@ -21,8 +21,10 @@ constexpr double kScalingRate = 5.0;      // 1/s, how fast the speed slider and 
 constexpr std::size_t kHistory = 1000;    // control steps
 constexpr int kPathDeviation = 153, kCollision = 157;  // C-codes of protective stops
 constexpr int kWarning = 2;                            // report level
-constexpr std::uint64_t kEarlyCheck = 13;      // every so many steps RTDE samples before a script is through
-constexpr double kStopAcceleration = 10.0;     // rad/s^2 when a program ends in motion
+constexpr std::uint64_t kEarlyCheck = 13;   // every so many steps RTDE samples before a script is through
+constexpr double kStopAcceleration = 10.0;  // rad/s^2 when a program ends in motion
+// rad/s^2 of the fastest joint: a UR5's base joint stops from 183 deg/s in 244 ms (UR5 CB3 user manual, A.1).
+constexpr double kProtectiveDeceleration = 13.0;
 constexpr std::uint32_t kFirstWithSensor = 5;  // PolyScope of the e-Series
 
 }  // namespace
@@ -140,7 +142,6 @@ void UrController::power_off() {
 void UrController::protective_stop(int code, const std::string& reason) {
   if (safety_mode != SafetyMode::kNormal) return;
   stopped_at_ = uptime();
-  motion.freeze();
   if (program_running()) runtime_ = RuntimeState::kPausing;
   set_safety_mode(SafetyMode::kProtectiveStop);
   ControllerEvent error;
@@ -227,22 +228,30 @@ void UrController::set_payload(double mass, const Eigen::Vector3d& p_F_cog) {
 }
 
 void UrController::scale_speed() {
-  const double change = kScalingRate * period_;
-  const auto approach = [&](double& value, double goal) {
-    value += std::clamp(goal - value, -change, change);
+  const auto approach = [&](double& value, double goal, double rate) {
+    value += std::clamp(goal - value, -rate * period_, rate * period_);
   };
-  approach(slider_, std::clamp(speed_slider, 0.0, 1.0));
+  approach(slider_, std::clamp(speed_slider, 0.0, 1.0), kScalingRate);
   if (runtime_ == RuntimeState::kResuming && limiter_ > 0) runtime_ = RuntimeState::kPlaying;
-  approach(limiter_, program_held() ? 0.0 : 1.0);
+  const bool stopped = safety_mode == SafetyMode::kProtectiveStop;
+  const double speed = slider_ * motion.qd().cwiseAbs().maxCoeff();
+  double rate = kScalingRate;
+  if (stopped)
+    rate = std::max(rate, kProtectiveDeceleration / std::max(speed, kProtectiveDeceleration * period_));
+  approach(limiter_, stopped || program_held() ? 0.0 : 1.0, rate);
   if (runtime_ == RuntimeState::kPausing && limiter_ == 0) runtime_ = RuntimeState::kPaused;
 }
 
 void UrController::move() {
   scale_speed();
-  if (!can_move()) return;
+  if (robot_mode != RobotMode::kRunning) return;
+  if (safety_mode != SafetyMode::kNormal && safety_mode != SafetyMode::kProtectiveStop) return;
+  if (!program_ && scaling() == 0) motion.freeze();  // nobody goes on with it
   if (!program_ && motion.moving() && motion.done()) motion.stop_joints(kStopAcceleration);
   const std::string refused = motion.step(period_ * scaling(), wrench_at_tool());
-  if (!refused.empty()) protective_stop(kPathDeviation, "Protective stop: " + refused);
+  if (refused.empty()) return;
+  limiter_ = 0.0;
+  protective_stop(kPathDeviation, "Protective stop: " + refused);
 }
 
 // A real arm feels a collision by what its joints have to bear more than before: it can be moved away.

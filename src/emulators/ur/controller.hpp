@@ -121,6 +121,8 @@ class UrController : public urscript::Host {
   /// As the script ports take it: carried out as soon as it may be. UR's client library sends it at once
   /// after a stop and waits for the stop to end.
   void unlock_when_allowed() { unlock_asked_ = true; }
+  /// The arm brakes along its path and the program is paused: it goes on where it was once the stop has been
+  /// unlocked and the program played.
   void protective_stop(int code, const std::string& reason);
   void emergency_stop();
   void restart_safety();
@@ -240,7 +242,7 @@ class UrController : public urscript::Host {
   RuntimeState runtime_ = RuntimeState::kStopped;
   double program_started_ = 0.0;
   double slider_ = 1.0, limiter_ = 1.0;  // as they take effect
-  double stopped_at_ = -1.0;  // protective stop
+  double stopped_at_ = -1.0;             // protective stop
   bool unlock_asked_ = false;
   std::optional<Touched> touched_;
   double power_change_at_ = -1.0;  // when robot_mode goes on to

@@ -129,7 +129,10 @@ void UrController::end_program(const char* title) {
   sockets.clear();
   ForceMode off;
   motion.set_force_mode(off);
-  if (motion.moving()) motion.stop_joints(10.0);
+  if (motion.moving())
+    motion.stop_joints(10.0);
+  else
+    motion.freeze();  // in a pause it has a motion left
   emit(make_event(Kind::kKey, title, program_name_));
 }
 

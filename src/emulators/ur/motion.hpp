@@ -61,7 +61,8 @@ class Motion {
   [[nodiscard]] std::size_t moves_in_progress() const { return moves_.size(); }
 
   /// Goes on by `seconds` of the motion's own time, which speed scaling stretches. `wrench_B` is what presses
-  /// on the tool at P, base axes. Returns why that cannot be, leaving the target where it was; else empty.
+  /// on the tool at P, base axes. Returns why that cannot be, leaving target and command as they were; else
+  /// empty.
   [[nodiscard]] std::string step(double seconds, const Six& wrench_B);
 
   [[nodiscard]] const Joints& q() const { return q_; }
