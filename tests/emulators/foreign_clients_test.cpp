@@ -173,6 +173,37 @@ TEST(UrForeignClients, AnArmThatHitSomethingCanBeMovedAwayOnceItsStopIsAcknowled
   EXPECT_EQ(controller.safety_mode, SafetyMode::kProtectiveStop) << "a new touch is a new collision";
 }
 
+TEST(UrForeignClients, WaypointIsTheEndOfTheMoveThroughout) {
+  // ur_rtde's getTargetWaypoint asks for it while another thread moves.
+  for (const char* move : {"movej(q, a=1, v=0.5)", "movel(goal, a=1, v=0.1)", "movep(goal, a=1, v=0.1)",
+                           "movec(pose_trans(start, p[0.05,0.03,0,0,0,0]), goal, a=1, v=0.1)"}) {
+    ScriptBench bench;
+    EXPECT_EQ(bench.output(concat("def w():\n"
+                                  "  start = get_actual_tcp_pose()\n"
+                                  "  goal = pose_trans(start, p[0.1,0,0,0,0,0])\n"
+                                  "  q = get_inverse_kin(goal)\n"
+                                  "  thread mover():\n    ",
+                                  move,
+                                  "\n  end\n"
+                                  "  textmsg(point_dist(get_target_waypoint(), start) < 1e-6)\n"
+                                  "  moving = run mover()\n"
+                                  "  i = 0\n  worst = 0\n"
+                                  "  while i < 10:\n"
+                                  "    sleep(0.02)\n"
+                                  "    worst = worst + point_dist(get_target_waypoint(), goal)\n"
+                                  "    i = i + 1\n  end\n"
+                                  "  textmsg(worst < 1e-6)\n"
+                                  "  kill moving\n"
+                                  "  stopl(1)\n"
+                                  "  textmsg(point_dist(get_target_waypoint(), get_target_tcp_pose()))\n"
+                                  "end\n"),
+                           10.0),
+              "True|True|0")
+        << move;
+    EXPECT_EQ(bench.exceptions, "") << move;
+  }
+}
+
 TEST(UrForeignClients, ThePayloadsInertiaIsKeptAndReported) {
   // ur_rtde's script of 2025 prints it back: without the function nothing of the script ran on 5.10 and
   // later.

@@ -72,7 +72,7 @@ void add_state(std::vector<Builtin>& list) {
   add(list, "get_target_tcp_pose",
       [](BuiltinCall& c) { return to_vector(geometry(c).T_B_P(controller(c).motion.q())); });
   add(list, "get_target_waypoint",
-      [](BuiltinCall& c) { return to_vector(geometry(c).T_B_P(controller(c).motion.q())); });
+      [](BuiltinCall& c) { return to_vector(controller(c).motion.T_B_waypoint()); });
   add(list, "get_actual_tool_flange_pose",
       [](BuiltinCall& c) { return to_vector(geometry(c).T_B_F(controller(c).plant().q)); });
   add(list, "get_actual_tcp_speed", [](BuiltinCall& c) {

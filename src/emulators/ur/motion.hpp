@@ -57,6 +57,8 @@ class Motion {
   /// The current command's function may return.
   [[nodiscard]] bool done() const;
   [[nodiscard]] bool moving() const;
+  /// Where the tool is at the end of the newest move; without one, where it shall be now.
+  [[nodiscard]] Pose T_B_waypoint() const;
   /// Moves in progress: two or three of a path with blends, however long it is.
   [[nodiscard]] std::size_t moves_in_progress() const { return moves_.size(); }
 
