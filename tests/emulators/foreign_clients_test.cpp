@@ -204,6 +204,25 @@ TEST(UrForeignClients, WaypointIsTheEndOfTheMoveThroughout) {
   }
 }
 
+TEST(UrForeignClients, NothingIsSteadyInForceModeOrWhileTheArmIsGuidedByHand) {
+  // Script manual, is_steady: "always return false in modes other than the standard position mode".
+  ScriptBench bench("5.12.2.1101534");
+  EXPECT_EQ(bench.output("def s():\n"
+                         "  textmsg(is_steady())\n"
+                         "  freedrive_mode()\n  textmsg(is_steady())\n"
+                         "  end_freedrive_mode()\n  textmsg(is_steady())\n"
+                         "  teach_mode()\n  textmsg(is_steady())\n"
+                         "  end_teach_mode()\n  textmsg(is_steady())\n"
+                         "  force_mode(p[0,0,0,0,0,0], [0,0,1,0,0,0], [0,0,0,0,0,0], 2, [1,1,1,1,1,1])\n"
+                         "  sync()\n  textmsg(is_steady())\n"
+                         "  end_force_mode()\n  textmsg(is_steady())\n"
+                         "  teach_mode()\n"
+                         "end\n"),
+            "True|False|True|False|True|False|True");
+  EXPECT_EQ(bench.exceptions, "");
+  EXPECT_EQ(bench.value("is_steady()"), "True") << "the mode ends with its program";
+}
+
 TEST(UrForeignClients, ThePayloadsInertiaIsKeptAndReported) {
   // ur_rtde's script of 2025 prints it back: without the function nothing of the script ran on 5.10 and
   // later.

@@ -191,7 +191,8 @@ class UrController : public urscript::Host {
   std::map<std::string, ScriptSocket> sockets;     ///< by the name that the script gave
   std::map<std::string, RtdeValue> masked_inputs;  ///< RTDE inputs that come with a mask, as last written
   bool popup_open = false;
-  int flight_reports = 0;  ///< that the Dashboard was asked for
+  bool guided_by_hand = false;  ///< teach mode or freedrive: by name only, nobody is there who pushes
+  int flight_reports = 0;       ///< that the Dashboard was asked for
 
  private:
   void trigger_faults();

@@ -127,6 +127,7 @@ void UrController::end_program(const char* title) {
   runtime_ = RuntimeState::kStopped;
   watchdog = {};
   sockets.clear();
+  guided_by_hand = false;
   ForceMode off;
   motion.set_force_mode(off);
   if (motion.moving())

@@ -57,6 +57,7 @@ class Motion {
   /// The current command's function may return.
   [[nodiscard]] bool done() const;
   [[nodiscard]] bool moving() const;
+  [[nodiscard]] bool in_force_mode() const { return force_.active; }
   /// Where the tool is at the end of the newest move; without one, where it shall be now.
   [[nodiscard]] Pose T_B_waypoint() const;
   /// Moves in progress: two or three of a path with blends, however long it is.
