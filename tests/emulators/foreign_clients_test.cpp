@@ -123,15 +123,16 @@ TEST(UrForeignClients, ControllersBeforeStructuresReadScriptsThatNameMembers) {
   EXPECT_THAT(bench.exceptions, HasSubstr("compile_error_name_not_found:struct"));
 }
 
-/// Joint 2 meets something elastic at -1.2 rad.
+/// Joint 2 meets something elastic at kAt.
 class Obstructed final : public Plant {
  public:
+  static constexpr double kAt = -1.2;  // rad
   Obstructed() { state_.q = ScriptBench::start(); }
   [[nodiscard]] PlantState state() override { return state_; }
   PlantState step(const Joints& q_target, double seconds) override {
     state_.qd = (q_target - state_.q) / seconds;
     state_.q = q_target;
-    const double depth = state_.q[1] + 1.2;
+    const double depth = state_.q[1] - kAt;
     state_.hit = depth > 0 ? "a box" : "";
     state_.force_R.z() = std::max(0.0, 5000 * depth);
     return state_;
@@ -171,6 +172,27 @@ TEST(UrForeignClients, AnArmThatHitSomethingCanBeMovedAwayOnceItsStopIsAcknowled
   EXPECT_LT(controller.plant().q[1], -1.25);
   turn(0.3, 2.0);
   EXPECT_EQ(controller.safety_mode, SafetyMode::kProtectiveStop) << "a new touch is a new collision";
+}
+
+TEST(UrForeignClients, AnArmThatHitsSomethingIsNotDrivenIntoItWhileItBrakes) {
+  const RobotModel robot = read_robot("ur10");
+  for (const bool brakes_already : {false, true}) {
+    Obstructed plant;
+    UrController controller(ScriptBench::options("5.12.2.1101534", {}), robot, plant);
+    controller.run_script("def turn():\n  speedj([0,0.5,0,0,0,0], 5, 60)\nend\n");
+    const auto hits = [&] { return !controller.plant().hit.empty(); };
+    for (int k = 0; k < 2000 && !hits(); ++k) {
+      if (brakes_already && controller.plant().q[1] > Obstructed::kAt - 0.005)
+        controller.protective_stop(153, "test");
+      controller.step();
+    }
+    ASSERT_TRUE(hits());
+    EXPECT_EQ(controller.safety_mode, SafetyMode::kProtectiveStop);
+    const double q = controller.plant().q[1];
+    EXPECT_LT(q, Obstructed::kAt + 0.5 * controller.period());
+    for (int k = 0; k < 100; ++k) controller.step();
+    EXPECT_EQ(controller.plant().q[1], q);
+  }
 }
 
 TEST(UrForeignClients, WaypointIsTheEndOfTheMoveThroughout) {

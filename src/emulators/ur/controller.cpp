@@ -264,6 +264,8 @@ void UrController::watch_for_collisions() {
                       (measured_.q - touched_->q).cwiseAbs().maxCoeff() < kTouchLeft;
   if (leaves) return;
   touched_.reset();
+  // What it ran into stops an arm sooner than its brakes do: a simulated one would be driven into it.
+  limiter_ = 0.0;
   protective_stop(kCollision, "Collision detected by joint: " + measured_.hit);
 }
 
