@@ -123,15 +123,16 @@ TEST(UrForeignClients, ControllersBeforeStructuresReadScriptsThatNameMembers) {
   EXPECT_THAT(bench.exceptions, HasSubstr("compile_error_name_not_found:struct"));
 }
 
-/// Joint 2 meets something elastic at -1.2 rad.
+/// Joint 2 meets something elastic at kAt.
 class Obstructed final : public Plant {
  public:
+  static constexpr double kAt = -1.2;  // rad
   Obstructed() { state_.q = ScriptBench::start(); }
   [[nodiscard]] PlantState state() override { return state_; }
   PlantState step(const Joints& q_target, double seconds) override {
     state_.qd = (q_target - state_.q) / seconds;
     state_.q = q_target;
-    const double depth = state_.q[1] + 1.2;
+    const double depth = state_.q[1] - kAt;
     state_.hit = depth > 0 ? "a box" : "";
     state_.force_R.z() = std::max(0.0, 5000 * depth);
     return state_;
@@ -171,6 +172,77 @@ TEST(UrForeignClients, AnArmThatHitSomethingCanBeMovedAwayOnceItsStopIsAcknowled
   EXPECT_LT(controller.plant().q[1], -1.25);
   turn(0.3, 2.0);
   EXPECT_EQ(controller.safety_mode, SafetyMode::kProtectiveStop) << "a new touch is a new collision";
+}
+
+TEST(UrForeignClients, AnArmThatHitsSomethingIsNotDrivenIntoItWhileItBrakes) {
+  const RobotModel robot = read_robot("ur10");
+  for (const bool brakes_already : {false, true}) {
+    Obstructed plant;
+    UrController controller(ScriptBench::options("5.12.2.1101534", {}), robot, plant);
+    controller.run_script("def turn():\n  speedj([0,0.5,0,0,0,0], 5, 60)\nend\n");
+    const auto hits = [&] { return !controller.plant().hit.empty(); };
+    for (int k = 0; k < 2000 && !hits(); ++k) {
+      if (brakes_already && controller.plant().q[1] > Obstructed::kAt - 0.005)
+        controller.protective_stop(153, "test");
+      controller.step();
+    }
+    ASSERT_TRUE(hits());
+    EXPECT_EQ(controller.safety_mode, SafetyMode::kProtectiveStop);
+    const double q = controller.plant().q[1];
+    EXPECT_LT(q, Obstructed::kAt + 0.5 * controller.period());
+    for (int k = 0; k < 100; ++k) controller.step();
+    EXPECT_EQ(controller.plant().q[1], q);
+  }
+}
+
+TEST(UrForeignClients, WaypointIsTheEndOfTheMoveThroughout) {
+  // ur_rtde's getTargetWaypoint asks for it while another thread moves.
+  for (const char* move : {"movej(q, a=1, v=0.5)", "movel(goal, a=1, v=0.1)", "movep(goal, a=1, v=0.1)",
+                           "movec(pose_trans(start, p[0.05,0.03,0,0,0,0]), goal, a=1, v=0.1)"}) {
+    ScriptBench bench;
+    EXPECT_EQ(bench.output(concat("def w():\n"
+                                  "  start = get_actual_tcp_pose()\n"
+                                  "  goal = pose_trans(start, p[0.1,0,0,0,0,0])\n"
+                                  "  q = get_inverse_kin(goal)\n"
+                                  "  thread mover():\n    ",
+                                  move,
+                                  "\n  end\n"
+                                  "  textmsg(point_dist(get_target_waypoint(), start) < 1e-6)\n"
+                                  "  moving = run mover()\n"
+                                  "  i = 0\n  worst = 0\n"
+                                  "  while i < 10:\n"
+                                  "    sleep(0.02)\n"
+                                  "    worst = worst + point_dist(get_target_waypoint(), goal)\n"
+                                  "    i = i + 1\n  end\n"
+                                  "  textmsg(worst < 1e-6)\n"
+                                  "  kill moving\n"
+                                  "  stopl(1)\n"
+                                  "  textmsg(point_dist(get_target_waypoint(), get_target_tcp_pose()))\n"
+                                  "end\n"),
+                           10.0),
+              "True|True|0")
+        << move;
+    EXPECT_EQ(bench.exceptions, "") << move;
+  }
+}
+
+TEST(UrForeignClients, NothingIsSteadyInForceModeOrWhileTheArmIsGuidedByHand) {
+  // Script manual, is_steady: "always return false in modes other than the standard position mode".
+  ScriptBench bench("5.12.2.1101534");
+  EXPECT_EQ(bench.output("def s():\n"
+                         "  textmsg(is_steady())\n"
+                         "  freedrive_mode()\n  textmsg(is_steady())\n"
+                         "  end_freedrive_mode()\n  textmsg(is_steady())\n"
+                         "  teach_mode()\n  textmsg(is_steady())\n"
+                         "  end_teach_mode()\n  textmsg(is_steady())\n"
+                         "  force_mode(p[0,0,0,0,0,0], [0,0,1,0,0,0], [0,0,0,0,0,0], 2, [1,1,1,1,1,1])\n"
+                         "  sync()\n  textmsg(is_steady())\n"
+                         "  end_force_mode()\n  textmsg(is_steady())\n"
+                         "  teach_mode()\n"
+                         "end\n"),
+            "True|False|True|False|True|False|True");
+  EXPECT_EQ(bench.exceptions, "");
+  EXPECT_EQ(bench.value("is_steady()"), "True") << "the mode ends with its program";
 }
 
 TEST(UrForeignClients, ThePayloadsInertiaIsKeptAndReported) {

@@ -219,6 +219,120 @@ TEST(UrMotion, ProtectiveStopsCanBeAcknowledgedAfterFiveSeconds) {
   EXPECT_EQ(bench.texts, "on");
 }
 
+TEST(UrMotion, AProtectiveStopBrakesAlongThePathAndPlayCompletesTheMove) {
+  ScriptBench bench("5.12.2.1101534");
+  UrController& c = bench.controller;
+  Joints goal = ScriptBench::start();
+  goal[0] += 0.8;
+  goal[1] -= 0.4;
+  c.run_script("def m():\n  movej(" + list(goal) + ", a=2.0, v=1.0)\n  textmsg(\"there\")\nend\n");
+  bench.run(0.7);
+  ASSERT_NEAR(c.plant().qd[0], 1.0, 1e-6);
+  c.protective_stop(157, "test");
+  const double q_stop = c.plant().q[0];
+  double hardest = 0.0;
+  for (int k = 0; k < 100; ++k) {
+    const Joints qd = c.plant().qd;
+    bench.run(c.period());
+    hardest = std::max(hardest, (c.plant().qd - qd).cwiseAbs().maxCoeff() / c.period());
+    const Joints moved = c.plant().q - ScriptBench::start();
+    ASSERT_NEAR(moved[1], -0.5 * moved[0], 1e-9) << "off its path";
+  }
+  EXPECT_NEAR(hardest, 13.0, 1.0) << "rad/s^2";
+  EXPECT_NEAR(c.plant().q[0] - q_stop, 0.5 / 13.0, 0.003);
+  EXPECT_EQ(c.runtime(), RuntimeState::kPaused);
+  const Joints held = c.plant().q;
+  bench.run(5.0);
+  EXPECT_TRUE(c.unlock_protective_stop());
+  bench.run(1.0);
+  EXPECT_EQ(c.plant().q, held) << "unlocking alone moves nothing";
+  EXPECT_EQ(bench.texts, "");
+  EXPECT_TRUE(c.resume_program());
+  bench.run_to_end();
+  EXPECT_LT((c.plant().q - goal).norm(), 1e-9);
+  EXPECT_EQ(bench.texts, "there");
+}
+
+TEST(UrMotion, AMoveThatCannotBeMadeStopsTheArmAgainAfterPlay) {
+  Joints beyond = ScriptBench::start();
+  beyond[5] = 7.0;
+  for (const std::string& motion :
+       {"movej(" + list(beyond) + ", v=1.5)", std::string("speedj([0,0,0,0,0,1.5], 5.0, 60)"),
+        std::string("movel(p[0,0,0.1,0,0,0], v=0.5)")}) {
+    ScriptBench bench;
+    UrController& c = bench.controller;
+    c.run_script("def m():\n  " + motion + "\n  textmsg(\"there\")\nend\n");
+    bench.run(10.0);
+    ASSERT_EQ(c.safety_mode, SafetyMode::kProtectiveStop) << motion;
+    const Joints held = c.plant().q;
+    for (int k = 0; k < 3; ++k) {
+      bench.run(5.1);
+      ASSERT_TRUE(c.unlock_protective_stop()) << motion;
+      EXPECT_TRUE(c.resume_program()) << motion;
+      bench.run(0.5);
+      EXPECT_EQ(c.safety_mode, SafetyMode::kProtectiveStop) << motion;
+      EXPECT_LT((c.plant().q - held).cwiseAbs().maxCoeff(), 0.03) << motion << ": less than one step on";
+    }
+    EXPECT_EQ(bench.texts, "") << motion;
+  }
+}
+
+TEST(UrMotion, AStoppedProgramLeavesNoMotionToAPauseOrProtectiveStop) {
+  Joints goal = ScriptBench::start();
+  goal[0] += 1.0;
+  for (const bool protective : {false, true})
+    for (const double until_stopped : {0.0, 0.016, 0.5})
+      for (const std::string& motion :
+           {"movej(" + list(goal) + ")", std::string("speedj([0.5,0,0,0,0,0], 2.0, 60)")}) {
+        ScriptBench bench;
+        UrController& c = bench.controller;
+        c.run_script("def m():\n  " + motion + "\nend\n");
+        bench.run(0.5);
+        if (protective)
+          c.protective_stop(157, "test");
+        else
+          EXPECT_TRUE(c.pause_program());
+        bench.run(until_stopped);
+        c.stop_program();
+        bench.run(5.1);
+        const Joints held = c.plant().q;
+        EXPECT_EQ(c.unlock_protective_stop(), protective);
+        bench.run(2.0);
+        EXPECT_EQ(c.plant().q, held) << motion << ", " << protective << ", " << until_stopped;
+        EXPECT_LT(held[0] - ScriptBench::start()[0], 0.3) << motion;
+      }
+}
+
+TEST(UrMotion, PausingAndResumingAreStatesOfTheirOwn) {
+  ScriptBench bench;
+  UrController& c = bench.controller;
+  c.run_script("def m():\n  movej([1,-1.3,1.6,-1.8,-1.5,0.2])\nend\n");
+  bench.run(0.4);
+  EXPECT_TRUE(c.pause_program());
+  EXPECT_FALSE(c.pause_program()) << "it is pausing already";
+  int braking = 0;
+  for (; braking < 100; ++braking) {
+    const Joints q = c.plant().q;
+    bench.run(c.period());
+    if (c.runtime() != RuntimeState::kPausing) break;
+    ASSERT_NE(c.plant().q, q) << "the arm is still being braked";
+    EXPECT_FALSE(c.program_running());
+  }
+  EXPECT_EQ(c.runtime(), RuntimeState::kPaused);
+  EXPECT_NEAR(braking * c.period(), 0.2, 0.02);
+  const Joints held = c.plant().q;
+  bench.run(0.5);
+  EXPECT_EQ(c.plant().q, held);
+  EXPECT_TRUE(c.resume_program());
+  EXPECT_TRUE(c.program_running());
+  EXPECT_FALSE(c.resume_program()) << "it runs";
+  bench.run(c.period());
+  EXPECT_EQ(c.runtime(), RuntimeState::kResuming);
+  EXPECT_NE(c.plant().q, held);
+  bench.run(c.period());
+  EXPECT_EQ(c.runtime(), RuntimeState::kPlaying);
+}
+
 TEST(UrMotion, WatchdogStopsWithinItsTime) {
   ScriptBench bench;
   bench.controller.run_script(

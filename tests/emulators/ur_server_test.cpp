@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "core/socket.hpp"
+#include "protocol/big_endian.hpp"
 #include "script_bench.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
@@ -141,6 +142,66 @@ TEST(UrServer, StateArrivesAtItsRate) {
     return std::bit_cast<double>(bits);
   };
   EXPECT_NEAR(time(second) - time(first), 0.008, 1e-9);
+}
+
+/// A package of the primary or secondary port.
+struct Package {
+  int type = 0, kind = -1;  ///< 16: state, 20: message of that kind
+  double time = 0.0;        ///< controller time [s]
+  bool protective = false;  ///< of a state: protective stop
+};
+
+std::vector<Package> packages(std::string_view bytes) {
+  std::vector<Package> list;
+  while (bytes.size() > 5) {
+    BigEndianReader in(bytes);
+    const auto size = in.get<std::uint32_t>();
+    if (size < 5 || size > bytes.size()) break;
+    Package package;
+    package.type = in.get<std::uint8_t>();
+    if (package.type == 16) in.take(5);  // length and type of the first part
+    package.time = 1e-9 * static_cast<double>(in.get<std::uint64_t>());
+    if (package.type == 16)
+      package.protective = in.take(5).back() != 0;
+    else
+      package.kind = in.take(2).back();
+    list.push_back(package);
+    bytes.remove_prefix(size);
+  }
+  return list;
+}
+
+TEST(UrServer, AStateShowsANewSafetyModeBeforeTheMessagesAboutIt) {
+  constexpr double kStopAt = 0.5;
+  UrServerOptions options;
+  options.version = "5.12.2.1101534";
+  options.faults.boot_seconds = 0;
+  options.faults.protective_stop_at = kStopAt;
+  Server bench(options, 1.0);
+  Client primary(bench.server.ports().primary), secondary(bench.server.ports().secondary);
+  EXPECT_NE(primary.until("fault switch"), "");
+  secondary.until("no such text", 0.3);
+  primary.send("set unlock protective stop\n");
+  primary.until("no such text", 5.5);
+  bool shown = false;
+  std::vector<double> changes;
+  for (const Package& package : packages(primary.seen)) {
+    if (package.type == 16 && package.protective != shown) {
+      shown = package.protective;
+      changes.push_back(package.time);
+    }
+    if (package.type == 20 && package.kind == 5) {
+      EXPECT_FALSE(changes.empty()) << "the message comes before the state";
+      EXPECT_NEAR(package.time, changes.empty() ? 0.0 : changes.back(), 1e-9);
+    }
+  }
+  ASSERT_EQ(changes.size(), 2U);
+  EXPECT_NEAR(changes[0], kStopAt, 0.003);
+  EXPECT_NEAR(changes[1], kStopAt + 5.0, 0.003);
+  double first = 0.0;
+  for (const Package& package : packages(secondary.seen))
+    if (package.protective && first == 0.0) first = package.time;
+  EXPECT_NEAR(first, kStopAt, 0.003) << "secondary clients get the state, too";
 }
 
 const std::string kStart("\0\5V\0\2\0\x15O\x40\x5f\x40\0\0\0\0\0timestamp,\0\3S", 29);

@@ -5,8 +5,10 @@
 
 #include "emulators/ur/dashboard_session.hpp"
 #include "emulators/ur/primary_messages.hpp"
+#include "emulators/ur/rtde_access.hpp"
 #include "emulators/ur/rtde_session.hpp"
 #include "emulators/ur/script_queue.hpp"
+#include "protocol/big_endian.hpp"
 #include "script_bench.hpp"
 #include "urscript/script_collector.hpp"
 
@@ -452,15 +454,103 @@ TEST(UrWire, AnUnlockOnAScriptPortIsKeptUntilItMayBe) {
   EXPECT_EQ(bench.controller.safety_mode, SafetyMode::kRobotEmergencyStop);
 }
 
-TEST(UrWire, APathThatCannotBeFollowedIsAWarningToClients) {
+TEST(UrWire, AnUnlockOnAScriptPortIsCarriedOutInTheStepAtFiveSeconds) {
+  for (const char* version : {"3.15.8.106339", "5.12.2.1101534"}) {
+    ScriptBench bench(version);
+    UrController& c = bench.controller;
+    const int steps = static_cast<int>(5.0 / c.period() + 0.5);
+    for (int offset = 0; offset < 40; ++offset) {
+      c.step();
+      c.protective_stop(153, "test");
+      c.unlock_when_allowed();
+      for (int k = 1; k < steps; ++k) c.step();
+      ASSERT_EQ(c.safety_mode, SafetyMode::kProtectiveStop) << version << ", " << offset;
+      c.step();
+      ASSERT_EQ(c.safety_mode, SafetyMode::kNormal) << version << ", " << offset;
+    }
+  }
+}
+
+/// Safety modes that the messages since the last call report.
+std::vector<int> reported_safety_modes(UrController& controller) {
+  std::vector<int> modes;
+  for (const auto& event : controller.take_events())
+    if (event.kind == ControllerEvent::Kind::kSafetyMode) modes.push_back(event.code);
+  return modes;
+}
+
+TEST(UrWire, EveryChangeOfTheSafetyModeIsReported) {
+  // The messages are the only source of the safety mode for UR's PrimaryClient.
   ScriptBench bench;
-  for (const auto& [code, level] : {std::pair{153, 2}, std::pair{157, 3}}) {
+  UrController& c = bench.controller;
+  c.protective_stop(153, "test");
+  EXPECT_THAT(reported_safety_modes(c), ElementsAre(3));
+  EXPECT_FALSE(c.unlock_protective_stop());
+  EXPECT_THAT(reported_safety_modes(c), ElementsAre()) << "refused";
+  for (int k = 0; k < 630; ++k) c.step();
+  EXPECT_TRUE(c.unlock_protective_stop());
+  EXPECT_THAT(reported_safety_modes(c), ElementsAre(1));
+  c.restart_safety();
+  EXPECT_THAT(reported_safety_modes(c), ElementsAre()) << "it was normal before";
+  c.emergency_stop();
+  EXPECT_THAT(reported_safety_modes(c), ElementsAre(7));
+  c.restart_safety();
+  EXPECT_THAT(reported_safety_modes(c), ElementsAre(1));
+}
+
+TEST(UrWire, ProtectiveStopsAreWarningsToClients) {
+  // UR's client library, doc/architecture/primary_client.rst: "protective stops are reported as warnings".
+  ScriptBench bench;
+  for (const int code : {153, 157, 206}) {
     bench.controller.safety_mode = SafetyMode::kNormal;
     bench.controller.protective_stop(code, "test");
     const auto events = bench.controller.take_events();
     ASSERT_EQ(events.back().kind, ControllerEvent::Kind::kErrorCode);
-    EXPECT_EQ(events.back().level, level) << code;
+    EXPECT_EQ(events.back().level, 2) << code;
   }
+}
+
+TEST(UrWire, SpeedScalingLeavesTheSliderOut) {
+  // Clients multiply speed_scaling by target_speed_fraction.
+  ScriptBench bench;
+  UrController& c = bench.controller;
+  struct Speeds {
+    double scaling = 0.0, fraction = 0.0;
+  };
+  const auto by_rtde = [&] {
+    const auto read = [&](const char* name) {
+      return std::get<double>(rtde_reader(*find_rtde_output(name))(c));
+    };
+    return Speeds{read("speed_scaling"), read("target_speed_fraction")};
+  };
+  const auto by_state = [&] {
+    const std::string state = encode_robot_state(c);
+    protocol::BigEndianReader in(std::string_view(state).substr(27));  // behind flags and modes
+    Speeds speeds;
+    in.get(speeds.fraction);
+    in.get(speeds.scaling);
+    return speeds;
+  };
+  c.speed_slider = 0.5;
+  c.run_script("def s():\n  speedj([0.4,0,0,0,0,0], 4.0, 60)\nend\n");
+  bench.run(1.0);
+  EXPECT_NEAR(c.plant().qd[0], 0.2, 1e-9);
+  for (const Speeds& speeds : {by_rtde(), by_state()}) {
+    EXPECT_EQ(speeds.fraction, 0.5);
+    EXPECT_EQ(speeds.scaling, 1.0);
+    EXPECT_NEAR(0.4 * speeds.fraction * speeds.scaling, c.plant().qd[0], 1e-9);
+  }
+  EXPECT_TRUE(c.pause_program());
+  bench.run(0.5);
+  EXPECT_EQ(c.plant().qd[0], 0.0);
+  EXPECT_EQ(by_rtde().fraction, 0.5);
+  EXPECT_EQ(by_rtde().scaling, 0.0);
+  EXPECT_TRUE(c.resume_program());
+  c.speed_slider = 0.0;
+  bench.run(0.5);
+  EXPECT_EQ(c.plant().qd[0], 0.0);
+  EXPECT_EQ(by_rtde().fraction, 0.0);
+  EXPECT_EQ(by_rtde().scaling, 1.0);
 }
 
 TEST(UrWire, AStopThatCannotBeAcknowledged) {

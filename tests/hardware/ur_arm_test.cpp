@@ -321,6 +321,21 @@ TEST(UrArm, APausedProgramThatDoesNotObeyAStopLosesItsHeartbeat) {
   EXPECT_THROW(bench.arm.rearm(), DeviceError) << "it is still there";
 }
 
+TEST(UrArm, AnotherClientsProgramIsPausedWhilePausingAndRunsWhileResuming) {
+  ArmBench bench([](State& s, const std::string& script, int run) { obey(s, script, run); });
+  for (const auto& [state, reason] : {std::pair(UrStatus::kPausing, "paused on the controller"),
+                                      std::pair(UrStatus::kPaused, "paused on the controller"),
+                                      std::pair(UrStatus::kResuming, "another program runs")}) {
+    bench.robot.change([state = state](State& s) {
+      s.set_paused();  // the bit of a running program is clear
+      s.set("runtime_state", state);
+    });
+    EXPECT_TRUE(eventually([&, reason = std::string(reason)] {
+      return bench.arm.follow(small_arm_move()).reason.find(reason) != std::string::npos;
+    })) << state;
+  }
+}
+
 TEST(UrArm, AnotherClientsPausedProgramIsNotReplaced) {
   ArmBench bench([](State& s, const std::string& script, int run) { obey(s, script, run); });
   bench.robot.change([](State& s) { s.set_paused(); });

@@ -212,6 +212,12 @@ Outcome nothing(BuiltinCall&) {
   return Value();
 }
 
+template <bool kOn>
+Outcome guide_by_hand(BuiltinCall& call) {
+  controller(call).guided_by_hand = kOn;
+  return Value();
+}
+
 Outcome no_torque(BuiltinCall&) {
   throw ScriptError{"direct_torque: the simulated arm takes positions and speeds only"};
 }
@@ -266,11 +272,11 @@ void add_motion(std::vector<Builtin>& list) {
                     static_cast<void>(three(arg(c, 0)));
                     return Outcome(Value());
                   }});
-  list.push_back({"freedrive_mode", {"freeAxes", "feature"}, 0, nothing});
-  list.push_back({"end_freedrive_mode", {}, 0, nothing});
+  list.push_back({"freedrive_mode", {"freeAxes", "feature"}, 0, guide_by_hand<true>});
+  list.push_back({"end_freedrive_mode", {}, 0, guide_by_hand<false>});
   list.push_back({"get_freedrive_status", {}, 0, [](BuiltinCall&) { return Outcome(Value(0)); }});
-  list.push_back({"teach_mode", {}, 0, nothing});
-  list.push_back({"end_teach_mode", {}, 0, nothing});
+  list.push_back({"teach_mode", {}, 0, guide_by_hand<true>});
+  list.push_back({"end_teach_mode", {}, 0, guide_by_hand<false>});
   const std::vector<const char*> serial{"enabled",   "baud_rate",     "parity",
                                         "stop_bits", "rx_idle_chars", "tx_idle_chars"};
   list.push_back({"set_tool_communication", serial, 1, nothing});

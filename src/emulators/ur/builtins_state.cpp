@@ -72,7 +72,7 @@ void add_state(std::vector<Builtin>& list) {
   add(list, "get_target_tcp_pose",
       [](BuiltinCall& c) { return to_vector(geometry(c).T_B_P(controller(c).motion.q())); });
   add(list, "get_target_waypoint",
-      [](BuiltinCall& c) { return to_vector(geometry(c).T_B_P(controller(c).motion.q())); });
+      [](BuiltinCall& c) { return to_vector(controller(c).motion.T_B_waypoint()); });
   add(list, "get_actual_tool_flange_pose",
       [](BuiltinCall& c) { return to_vector(geometry(c).T_B_F(controller(c).plant().q)); });
   add(list, "get_actual_tcp_speed", [](BuiltinCall& c) {
@@ -87,7 +87,11 @@ void add_state(std::vector<Builtin>& list) {
   add(list, "get_joint_torques", [](BuiltinCall&) { return to_list(Joints(Joints::Zero())); });
   add(list, "get_steptime", [](BuiltinCall& c) { return controller(c).period(); });
   add(list, "get_controller_temp", [](BuiltinCall&) { return 25.0; });
-  add(list, "is_steady", [](BuiltinCall& c) { return !controller(c).motion.moving(); });
+  // Script manual: "always false in modes other than the standard position mode".
+  add(list, "is_steady", [](BuiltinCall& c) {
+    const auto& motion = controller(c).motion;
+    return !motion.moving() && !motion.in_force_mode() && !controller(c).guided_by_hand;
+  });
   add(list, "get_target_payload", [](BuiltinCall& c) { return controller(c).payload; });
   add(list, "get_target_payload_cog", [](BuiltinCall& c) { return to_list(controller(c).payload_cog); });
   add(list, "get_target_payload_inertia",

@@ -13,15 +13,18 @@ namespace {
 constexpr double kLongSinceBoot = 100.0;  // s: clients wait for 40
 constexpr double kPowerSeconds = 1.0;     // a step of the sequence from power off to brakes released
 constexpr double kUnlockAfter = 5.0;      // s
+constexpr double kRounding = 1e-9;        // s, of times on the control step
 constexpr double kHarder = 20.0;          // N, than when a stop was acknowledged: the arm is pushed on
 constexpr double kTouchLeft = 0.2;        // rad of a joint, in which a touch is left
 constexpr double kApart = 0.2;            // s; links are looked at every 50 ms
-constexpr double kScalingRate = 5.0;      // 1/s, how fast the speed slider takes effect
+constexpr double kScalingRate = 5.0;      // 1/s, how fast the speed slider and a pause take effect
 constexpr std::size_t kHistory = 1000;    // control steps
 constexpr int kPathDeviation = 153, kCollision = 157;  // C-codes of protective stops
-constexpr int kWarning = 2, kViolation = 3;            // report levels
-constexpr std::uint64_t kEarlyCheck = 13;      // every so many steps RTDE samples before a script is through
-constexpr double kStopAcceleration = 10.0;     // rad/s^2 when a program ends in motion
+constexpr int kWarning = 2;                            // report level
+constexpr std::uint64_t kEarlyCheck = 13;   // every so many steps RTDE samples before a script is through
+constexpr double kStopAcceleration = 10.0;  // rad/s^2 when a program ends in motion
+// rad/s^2 of the fastest joint: a UR5's base joint stops from 183 deg/s in 244 ms (UR5 CB3 user manual, A.1).
+constexpr double kProtectiveDeceleration = 13.0;
 constexpr std::uint32_t kFirstWithSensor = 5;  // PolyScope of the e-Series
 
 }  // namespace
@@ -138,43 +141,44 @@ void UrController::power_off() {
 
 void UrController::protective_stop(int code, const std::string& reason) {
   if (safety_mode != SafetyMode::kNormal) return;
-  safety_mode = SafetyMode::kProtectiveStop;
   stopped_at_ = uptime();
-  motion.freeze();
-  if (program_running()) runtime_ = RuntimeState::kPaused;
-  ControllerEvent safety;
-  safety.kind = ControllerEvent::Kind::kSafetyMode;
-  safety.code = static_cast<int>(safety_mode);
-  emit(safety);
+  if (program_running()) runtime_ = RuntimeState::kPausing;
+  set_safety_mode(SafetyMode::kProtectiveStop);
   ControllerEvent error;
   error.kind = ControllerEvent::Kind::kErrorCode;
   error.code = code;
-  // C153A0 is a warning to UR's own client library, whose tests go by the level.
-  error.level = code == kPathDeviation ? kWarning : kViolation;
+  // "Protective stops are reported as warnings by the robot" (UR's client library, primary_client.rst).
+  error.level = kWarning;
   error.text = reason;
   emit(error);
 }
 
 bool UrController::unlock_protective_stop() {
   if (safety_mode != SafetyMode::kProtectiveStop || faults.refuse_unlock) return false;
-  if (uptime() - stopped_at_ < kUnlockAfter) return false;
-  safety_mode = SafetyMode::kNormal;
+  if (uptime() - stopped_at_ < kUnlockAfter - kRounding) return false;
+  set_safety_mode(SafetyMode::kNormal);
   if (!measured_.hit.empty()) touched_ = Touched{measured_.q, measured_.force_R.norm(), uptime()};
   return true;
 }
 
 void UrController::emergency_stop() {
   power_off();
-  safety_mode = SafetyMode::kRobotEmergencyStop;
-  ControllerEvent safety;
-  safety.kind = ControllerEvent::Kind::kSafetyMode;
-  safety.code = static_cast<int>(safety_mode);
-  emit(safety);
+  set_safety_mode(SafetyMode::kRobotEmergencyStop);
 }
 
 void UrController::restart_safety() {
   power_off();
-  safety_mode = SafetyMode::kNormal;
+  set_safety_mode(SafetyMode::kNormal);
+}
+
+// Some clients know the mode from the messages alone.
+void UrController::set_safety_mode(SafetyMode mode) {
+  if (safety_mode == mode) return;
+  safety_mode = mode;
+  ControllerEvent event;
+  event.kind = ControllerEvent::Kind::kSafetyMode;
+  event.code = static_cast<int>(mode);
+  emit(std::move(event));
 }
 
 void UrController::input_written(const std::string& name) {
@@ -183,7 +187,7 @@ void UrController::input_written(const std::string& name) {
 
 void UrController::watch() {
   if (watchdog.period <= 0 || !program_running()) return;
-  if (uptime() - watchdog.fed <= watchdog.period + 1e-9) return;
+  if (uptime() - watchdog.fed <= watchdog.period + kRounding) return;
   if (watchdog.action == "stop") {
     stop_program();
   } else if (watchdog.action == "pause") {
@@ -223,14 +227,31 @@ void UrController::set_payload(double mass, const Eigen::Vector3d& p_F_cog) {
   zero_sensor();  // script manual, set_target_payload
 }
 
+void UrController::scale_speed() {
+  const auto approach = [&](double& value, double goal, double rate) {
+    value += std::clamp(goal - value, -rate * period_, rate * period_);
+  };
+  approach(slider_, std::clamp(speed_slider, 0.0, 1.0), kScalingRate);
+  if (runtime_ == RuntimeState::kResuming && limiter_ > 0) runtime_ = RuntimeState::kPlaying;
+  const bool stopped = safety_mode == SafetyMode::kProtectiveStop;
+  const double speed = slider_ * motion.qd().cwiseAbs().maxCoeff();
+  double rate = kScalingRate;
+  if (stopped)
+    rate = std::max(rate, kProtectiveDeceleration / std::max(speed, kProtectiveDeceleration * period_));
+  approach(limiter_, stopped || program_held() ? 0.0 : 1.0, rate);
+  if (runtime_ == RuntimeState::kPausing && limiter_ == 0) runtime_ = RuntimeState::kPaused;
+}
+
 void UrController::move() {
-  const double goal = runtime_ == RuntimeState::kPaused ? 0.0 : std::clamp(speed_slider, 0.0, 1.0);
-  const double change = kScalingRate * period_;
-  scaling_ += std::clamp(goal - scaling_, -change, change);
-  if (!can_move()) return;
+  scale_speed();
+  if (robot_mode != RobotMode::kRunning) return;
+  if (safety_mode != SafetyMode::kNormal && safety_mode != SafetyMode::kProtectiveStop) return;
+  if (!program_ && scaling() == 0) motion.freeze();  // nobody goes on with it
   if (!program_ && motion.moving() && motion.done()) motion.stop_joints(kStopAcceleration);
-  const std::string refused = motion.step(period_ * scaling_, wrench_at_tool());
-  if (!refused.empty()) protective_stop(kPathDeviation, "Protective stop: " + refused);
+  const std::string refused = motion.step(period_ * scaling(), wrench_at_tool());
+  if (refused.empty()) return;
+  limiter_ = 0.0;
+  protective_stop(kPathDeviation, "Protective stop: " + refused);
 }
 
 // A real arm feels a collision by what its joints have to bear more than before: it can be moved away.
@@ -243,6 +264,8 @@ void UrController::watch_for_collisions() {
                       (measured_.q - touched_->q).cwiseAbs().maxCoeff() < kTouchLeft;
   if (leaves) return;
   touched_.reset();
+  // What it ran into stops an arm sooner than its brakes do: a simulated one would be driven into it.
+  limiter_ = 0.0;
   protective_stop(kCollision, "Collision detected by joint: " + measured_.hit);
 }
 

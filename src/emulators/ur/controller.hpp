@@ -15,6 +15,7 @@ namespace stonestack::emulators {
 
 enum class RobotMode { kPowerOff = 3, kPowerOn = 4, kIdle = 5, kBackdrive = 6, kRunning = 7 };
 enum class SafetyMode { kNormal = 1, kProtectiveStop = 3, kRobotEmergencyStop = 7, kFault = 9 };
+/// Pausing lasts until the arm has been braked to rest, resuming until it moves again.
 enum class RuntimeState {
   kStopping = 0,
   kStopped = 1,
@@ -120,6 +121,8 @@ class UrController : public urscript::Host {
   /// As the script ports take it: carried out as soon as it may be. UR's client library sends it at once
   /// after a stop and waits for the stop to end.
   void unlock_when_allowed() { unlock_asked_ = true; }
+  /// The arm brakes along its path and the program is paused: it goes on where it was once the stop has been
+  /// unlocked and the program played.
   void protective_stop(int code, const std::string& reason);
   void emergency_stop();
   void restart_safety();
@@ -130,7 +133,13 @@ class UrController : public urscript::Host {
   void emit(ControllerEvent event) { events_.push_back(std::move(event)); }
   [[nodiscard]] std::vector<ControllerEvent> take_events();
 
-  [[nodiscard]] bool program_running() const { return runtime_ == RuntimeState::kPlaying; }
+  [[nodiscard]] bool program_running() const {
+    return runtime_ == RuntimeState::kPlaying || runtime_ == RuntimeState::kResuming;
+  }
+  /// Paused, or being braked for a pause.
+  [[nodiscard]] bool program_held() const {
+    return runtime_ == RuntimeState::kPausing || runtime_ == RuntimeState::kPaused;
+  }
   [[nodiscard]] RuntimeState runtime() const { return runtime_; }
   [[nodiscard]] const std::string& program_name() const { return program_name_; }
   [[nodiscard]] int program_line() const { return program_ ? program_->line() : 0; }
@@ -159,7 +168,10 @@ class UrController : public urscript::Host {
   /// Force on the tool without the payload's weight that many control steps ago, base axes, without the
   /// sensor's errors; of the oldest step that is known.
   [[nodiscard]] Eigen::Vector3d force_before(std::size_t steps) const;
-  [[nodiscard]] double scaling() const { return scaling_; }
+  /// Share of its path's speed that the arm has: slider times limiter.
+  [[nodiscard]] double scaling() const { return slider_ * limiter_; }
+  /// RTDE's speed_scaling, "of the trajectory limiter": what holds the arm besides the slider. 0 in a pause.
+  [[nodiscard]] double limiter() const { return limiter_; }
 
   ControllerFaults faults;
   Motion motion;
@@ -179,10 +191,12 @@ class UrController : public urscript::Host {
   std::map<std::string, ScriptSocket> sockets;     ///< by the name that the script gave
   std::map<std::string, RtdeValue> masked_inputs;  ///< RTDE inputs that come with a mask, as last written
   bool popup_open = false;
-  int flight_reports = 0;  ///< that the Dashboard was asked for
+  bool guided_by_hand = false;  ///< teach mode or freedrive: by name only, nobody is there who pushes
+  int flight_reports = 0;       ///< that the Dashboard was asked for
 
  private:
   void trigger_faults();
+  void set_safety_mode(SafetyMode mode);
   void change_power();
   void watch();
   void run_programs();
@@ -190,6 +204,7 @@ class UrController : public urscript::Host {
   void take_program_asked_for();
   void end_program(const char* key);
   void report(const urscript::CompileError& error, const urscript::Program* secondary);
+  void scale_speed();
   void move();
   void measure();
   void feel(const Pose& T_B_F, const Eigen::Vector3d& force_B, const Eigen::Vector3d& torque_B);
@@ -227,8 +242,8 @@ class UrController : public urscript::Host {
   bool asked_ = false;  // External Control waits for its program
   RuntimeState runtime_ = RuntimeState::kStopped;
   double program_started_ = 0.0;
-  double scaling_ = 1.0;
-  double stopped_at_ = -1.0;  // protective stop
+  double slider_ = 1.0, limiter_ = 1.0;  // as they take effect
+  double stopped_at_ = -1.0;             // protective stop
   bool unlock_asked_ = false;
   std::optional<Touched> touched_;
   double power_change_at_ = -1.0;  // when robot_mode goes on to

@@ -127,9 +127,13 @@ void UrController::end_program(const char* title) {
   runtime_ = RuntimeState::kStopped;
   watchdog = {};
   sockets.clear();
+  guided_by_hand = false;
   ForceMode off;
   motion.set_force_mode(off);
-  if (motion.moving()) motion.stop_joints(10.0);
+  if (motion.moving())
+    motion.stop_joints(10.0);
+  else
+    motion.freeze();  // in a pause it has a motion left
   emit(make_event(Kind::kKey, title, program_name_));
 }
 
@@ -154,13 +158,13 @@ bool UrController::play_loaded() {
 
 bool UrController::pause_program() {
   if (!program_running()) return false;
-  runtime_ = RuntimeState::kPaused;
+  runtime_ = RuntimeState::kPausing;
   return true;
 }
 
 bool UrController::resume_program() {
-  if (runtime_ != RuntimeState::kPaused || !can_move()) return false;
-  runtime_ = RuntimeState::kPlaying;
+  if (!program_held() || !can_move()) return false;
+  runtime_ = RuntimeState::kResuming;
   watchdog.fed = uptime();
   return true;
 }

@@ -40,9 +40,7 @@ const char* safety_mode_name(SafetyMode mode) {
 }
 
 std::string program_state(const UrController& c) {
-  const char* state = c.program_running()                    ? "PLAYING"
-                      : c.runtime() == RuntimeState::kPaused ? "PAUSED"
-                                                             : "STOPPED";
+  const char* state = c.program_running() ? "PLAYING" : c.program_held() ? "PAUSED" : "STOPPED";
   return concat(state, ' ', c.program_name().empty() ? "<unnamed>" : c.program_name());
 }
 

@@ -188,6 +188,14 @@ void Motion::set_tool(const Pose& T_F_P) {
   shift_.head<3>() = geometry_.T_B_P(q_).translation() - geometry_.T_B_P(q_unpressed_).translation();
 }
 
+Pose Motion::T_B_waypoint() const {
+  if (mode_ != Mode::kMoves || moves_.empty()) return geometry_.T_B_P(q_);
+  if (!line_) return geometry_.T_B_P(q_start_ + corner());
+  Pose pose = T_B_start_;
+  for (const auto& move : moves_) pose = compose(pose, move.displacement);
+  return pose;
+}
+
 bool Motion::moving() const {
   return qd_.cwiseAbs().maxCoeff() > 1e-6;
 }

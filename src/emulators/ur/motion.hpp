@@ -57,11 +57,15 @@ class Motion {
   /// The current command's function may return.
   [[nodiscard]] bool done() const;
   [[nodiscard]] bool moving() const;
+  [[nodiscard]] bool in_force_mode() const { return force_.active; }
+  /// Where the tool is at the end of the newest move; without one, where it shall be now.
+  [[nodiscard]] Pose T_B_waypoint() const;
   /// Moves in progress: two or three of a path with blends, however long it is.
   [[nodiscard]] std::size_t moves_in_progress() const { return moves_.size(); }
 
   /// Goes on by `seconds` of the motion's own time, which speed scaling stretches. `wrench_B` is what presses
-  /// on the tool at P, base axes. Returns why that cannot be, leaving the target where it was; else empty.
+  /// on the tool at P, base axes. Returns why that cannot be, leaving target and command as they were; else
+  /// empty.
   [[nodiscard]] std::string step(double seconds, const Six& wrench_B);
 
   [[nodiscard]] const Joints& q() const { return q_; }

@@ -1,6 +1,8 @@
 // One control step of the current command: where the joints shall be next, and whether they may.
 #include <algorithm>
 #include <cmath>
+#include <tuple>
+#include <utility>
 
 #include "emulators/ur/motion.hpp"
 #include "stonestack/core/error.hpp"
@@ -126,13 +128,21 @@ std::string Motion::step(double seconds, const Six& wrench_B) {
     qdd_.setZero();
     return {};
   }
+  auto command =
+      std::tuple(mode_, moves_, q_start_, T_B_start_, elapsed_, speed_, T_B_speed_, shift_);  // as it was
+  const auto refuse = [&](const std::string& reason) {
+    std::tie(mode_, moves_, q_start_, T_B_start_, elapsed_, speed_, T_B_speed_, shift_) = std::move(command);
+    qd_.setZero();
+    qdd_.setZero();
+    return reason;
+  };
   if (mode_ == Mode::kMoves) reached = next_moves(seconds, q);
   if (mode_ == Mode::kServo) reached = next_servo(seconds, q);
   if (mode_ == Mode::kSpeed) reached = next_speed(seconds, q);
-  if (!reached) return "the target is out of reach or too close to a singularity";
+  if (!reached) return refuse("the target is out of reach or too close to a singularity");
   const Joints unpressed = q;
-  if (force_.active && !press(seconds, wrench_B, q)) return "force mode leaves the reach";
-  if (auto reason = judge(q, seconds); !reason.empty()) return reason;
+  if (force_.active && !press(seconds, wrench_B, q)) return refuse("force mode leaves the reach");
+  if (const auto reason = judge(q, seconds); !reason.empty()) return refuse(reason);
   const Joints qd = (q - q_) / seconds;
   qdd_ = (qd - qd_) / seconds;
   // A servo's filter needs its own speed at the step's end, not the mean over the step.

@@ -92,7 +92,7 @@ void add_modes(Table& t) {
   t["robot_status_bits"] = [](C c) { return c.robot_status_bits(); };
   t["safety_status_bits"] = [](C c) { return c.safety_status_bits(); };
   t["script_control_line"] = [](C c) { return static_cast<std::uint32_t>(c.program_line()); };
-  t["speed_scaling"] = [](C c) { return c.scaling(); };
+  t["speed_scaling"] = [](C c) { return c.limiter(); };
   t["target_speed_fraction"] = [](C c) { return c.speed_slider; };
   t["actual_execution_time"] = t["target_execution_time"] = [](C c) { return c.period(); };
 }

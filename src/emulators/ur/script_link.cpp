@@ -1,4 +1,4 @@
-#include <algorithm>
+#include <utility>
 
 #include "emulators/ur/primary_messages.hpp"
 #include "emulators/ur/server_links.hpp"
@@ -43,9 +43,12 @@ void ScriptLink::after_step() {
   UrController& c = controller();
   if (collector_.inside_program() && c.uptime() - heard_ > kScriptPatience) take(collector_.give_up());
   if (kind_ == Kind::kRealtime) return offer(encode_realtime(c));
-  if (c.steps() < next_state_) return;
+  if (!state_required_ && c.steps() < next_state_) return;
   next_state_ = c.steps() + static_cast<std::uint64_t>(1.0 / (kStateRate * c.period()) + 0.5);
-  offer(encode_robot_state(c));
+  if (std::exchange(state_required_, false))
+    send(encode_robot_state(c));
+  else
+    offer(encode_robot_state(c));
 }
 
 }  // namespace stonestack::emulators

@@ -30,6 +30,8 @@ class ScriptLink final : public ServerLink {
   void after_step() override;
   /// Messages go to primary clients only.
   void report(const ControllerEvent& event);
+  /// The state of this step is sent, whenever the next one is due.
+  void require_state() { state_required_ = true; }
 
  protected:
   void receive(std::string_view bytes) override;
@@ -45,6 +47,7 @@ class ScriptLink final : public ServerLink {
   ScriptCollector collector_;
   double heard_ = 0.0;
   std::uint64_t next_state_;
+  bool state_required_ = false;
 };
 
 /// Port 29999.

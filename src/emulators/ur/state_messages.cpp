@@ -49,11 +49,11 @@ std::string robot_mode_data(const UrController& c) {
   put(data, c.safety_mode == SafetyMode::kRobotEmergencyStop);
   put(data, c.safety_mode == SafetyMode::kProtectiveStop);
   put(data, c.program_running());
-  put(data, c.runtime() == RuntimeState::kPaused);
+  put(data, c.program_held());
   put(data, static_cast<std::uint8_t>(c.robot_mode));
   put(data, std::uint8_t{0});  // position control
   put(data, c.speed_slider);
-  put(data, c.scaling());
+  put(data, c.limiter());
   put(data, 1.0);
   if (c.version().has({3, 10, 0, 0}, {5, 4, 0, 0})) put(data, std::uint8_t{0});
   return data;
@@ -219,7 +219,7 @@ std::string encode_realtime(const UrController& c) {
   put_zeros(data, 6);
   put_zeros(data, 3);  // tool accelerometer
   put_zeros(data, 6);
-  put(data, c.scaling());
+  put(data, c.limiter());
   put(data, 0.0);  // momentum
   put_zeros(data, 2);
   put(data, static_cast<double>(kVolts));

@@ -1,5 +1,6 @@
 #include "emulators/ur/ur_controller_server.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -132,10 +133,18 @@ void UrControllerServer::Parts::turn(bool accept) {
   queue.turn();
   controller.step();
   trigger_faults();
-  each([](ServerPort& port) { port.after_step(); });
-  for (const auto& event : controller.take_events())
+  const auto events = controller.take_events();
+  const auto for_scripts = [&](auto&& what) {
     for (auto& port : scripts)
-      for (auto& link : port->links()) static_cast<ScriptLink&>(*link).report(event);
+      for (auto& link : port->links()) what(static_cast<ScriptLink&>(*link));
+  };
+  // Who reads of a new safety mode finds it in the state that came before.
+  if (std::any_of(events.begin(), events.end(), [](const ControllerEvent& event) {
+        return event.kind == ControllerEvent::Kind::kSafetyMode;
+      }))
+    for_scripts([](ScriptLink& link) { link.require_state(); });
+  each([](ServerPort& port) { port.after_step(); });
+  for (const auto& event : events) for_scripts([&](ScriptLink& link) { link.report(event); });
   time = controller.uptime();
 }
 

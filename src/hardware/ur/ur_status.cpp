@@ -59,7 +59,7 @@ Joints joints(const RtdeSample& sample, const char* name) {
 }  // namespace
 
 bool UrStatus::is_held() const {
-  return runtime_state == kPausing || runtime_state == kPaused || runtime_state == kResuming;
+  return runtime_state == kPausing || runtime_state == kPaused;
 }
 
 bool UrStatus::is_paused() const {
@@ -105,7 +105,8 @@ UrStatus read_status(const RtdeSample& sample, int first_register) {
   status.safety = sample.get<std::int32_t>(sample.has("safety_status") ? "safety_status" : "safety_mode");
   status.safety_bits = sample.get<std::uint32_t>("safety_status_bits");
   status.runtime_state = sample.get<std::uint32_t>("runtime_state");
-  status.program_running = (sample.get<std::uint32_t>("robot_status_bits") & kProgramRunning) != 0;
+  status.program_running = (sample.get<std::uint32_t>("robot_status_bits") & kProgramRunning) != 0 ||
+                           status.runtime_state == UrStatus::kResuming;
   status.speed = sample.get<double>("speed_scaling") * sample.get<double>("target_speed_fraction");
   status.run = integer(0);
   status.progress = integer(1);

@@ -13,13 +13,13 @@ struct UrStatus {
   int safety = 0;                             ///< safety_status, or safety_mode on older controllers
   std::uint32_t safety_bits = 0;
   std::uint32_t runtime_state = 0;
-  bool program_running = false;
-  double speed = 0.0;  ///< of the arm as a fraction: slider times what the safety system leaves
+  bool program_running = false;  ///< or resuming
+  double speed = 0.0;            ///< of the arm as a fraction: slider times what the safety system leaves
   int run = 0, progress = 0, end = 0;
   double force = 0.0;  ///< of the last program [N]
 
   /// A person (or the pendant) holds the program: it is there and goes on when somebody plays it. Controllers
-  /// may clear `program_running` meanwhile.
+  /// may clear their bit of a running program meanwhile, and until it has been resumed.
   [[nodiscard]] bool is_held() const;
   /// Held, or the speed slider at zero.
   [[nodiscard]] bool is_paused() const;
