@@ -91,7 +91,10 @@ TEST_F(SmallStone, FlatSurfaceInItsPlaceIsNotBentAsItIs) {
   for (float& depth : flat.z) depth = depth > 0 ? z : 0;
   const ScoreLosses patch = losses(stone, T_C_O, flat);
   EXPECT_GT(patch.bend, 0.1);
-  EXPECT_GT(patch.without_depth, 0.01);
+}
+
+TEST_F(SmallStone, LittleOfItWithADepthIsLessEvidence) {
+  EXPECT_GT(losses(stone, T_C_O, only_within(image, 12)).without_depth, 0.01);
 }
 
 TEST(FlatModel, APatchOfItsFaceWithoutAnOutlineFitsAnywhere) {

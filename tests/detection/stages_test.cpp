@@ -199,15 +199,18 @@ TEST(Verify, AFlatStoneThatFitsIntoTheFaceOfALargerOneIsRefutedByItsOutline) {
   const DepthImage image = test::with_noise(test::look_at({{&large, T_W_O}}, T_W_C), 0.0006, 1);
   const DetectionOptions options;
   const DetectionScene scene = preprocess(image, {}, true, options);
-  const auto score = [&](const Stone& stone, bool contour) {
+  const auto verdict = [&](const Stone& stone) {
     VerifyOptions strict;
-    strict.contour = contour;
-    return verify_pose(make_detection_model(stone), T_W_C.inverse() * T_W_O, scene, strict).score;
+    strict.contour = true;
+    return verify_pose(make_detection_model(stone), T_W_C.inverse() * T_W_O, scene, strict);
   };
-  EXPECT_GT(score(small, false), options.accept_score)
-      << "the trap is gone: no pixel contradicts the small one";
-  EXPECT_LT(score(small, true), 0.5);
-  EXPECT_GT(score(large, true), 0.95);
+  const Verdict of_small = verdict(small);
+  const double without_outline = of_small.score + of_small.lost.outline + of_small.lost.bend;
+  EXPECT_GT(without_outline, options.accept_score) << "the trap is gone: no pixel contradicts the small one";
+  EXPECT_GT(of_small.lost.outline, without_outline - 0.5);
+  EXPECT_GT(of_small.lost.bend, 0.1) << "its sides are drawn where the face is seen";
+  EXPECT_LT(of_small.score, 0.5);
+  EXPECT_GT(verdict(large).score, 0.95);
 }
 
 TEST(Verify, ThingsInFrontHaveOutlinesOfTheirOwn) {

@@ -25,7 +25,7 @@ constexpr double kGoesOnTolerated = 0.06;  // share of the outline: stones that 
 constexpr double kGoesOnWeight = 2.0;
 constexpr double kBendTolerated = 0.75;  // of the model's bend: right poses show 0.82 and more of it
 constexpr double kBendWeight = 1.0;
-constexpr double kLittleBend = 0.02;   // variation of normals of a surface that is nearly flat
+constexpr double kLittleBend = 0.05;   // variation of normals of a surface that is nearly flat
 constexpr double kWithoutDepth = 0.3;  // of the drawn pixels: shadows, slopes, dark places
 constexpr double kWithoutDepthWeight = 0.2;
 constexpr double kFullBend = 0.1;  // variation of normals that holds a pose without an outline
@@ -188,7 +188,7 @@ double total(const ScoreLosses& lost) {
          lost.below + lost.bend + lost.without_depth + lost.loose;
 }
 
-/// What holds a pose in place: normals that vary, and an outline that is seen to end.
+/// Sum of what holds a pose in place: normals that vary, and an outline that is seen to end.
 double holding(const Tally& tally) {
   const ContourTally& contour = tally.contour;
   const double ends = contour.all > 0 ? (contour.seen - contour.goes_on) / contour.all : 0.0;
