@@ -264,6 +264,7 @@ struct FaultRun {
       ::close(ends[0]);
       for (const int output : {STDOUT_FILENO, STDERR_FILENO})
         require(::dup2(ends[1], output) == output, "no pipe for the output: ", std::strerror(errno));
+      ::close(ends[1]);
       set_log_level(LogLevel::kDebug);
     }
   }

@@ -14,6 +14,7 @@ import itertools
 import pathlib
 import socketserver
 import struct
+import sys
 import threading
 import time
 import zlib
@@ -23,6 +24,7 @@ import numpy as np
 import numpy.typing as npt
 
 FLOAT_UNIT = 0.0001  # m a count of depths that come as metres: up to 6.5 m
+TIMEOUT = 10.0  # s that a client waits for a new image
 
 
 class Frame(NamedTuple):
@@ -64,8 +66,8 @@ class Folder:
                     counts = np.asarray(Image.open(file))
                 except OSError:  # not complete yet
                     continue
-                if counts.ndim != 2 or counts.dtype.kind not in "iu":
-                    raise SystemExit(f"{file}: no 16-bit depth image with one channel")
+                if counts.ndim != 2 or counts.dtype.kind not in "iu" or counts.dtype.itemsize < 2:
+                    raise ValueError(f"{file}: no 16-bit depth image with one channel")
                 return Frame(counts.astype(np.uint16), self.unit, self.lens, (), written)
             time.sleep(0.01)
         return None
@@ -80,7 +82,8 @@ class Topic:
         from sensor_msgs.msg import CameraInfo, Image  # type: ignore[import]
 
         self.arrived = threading.Condition()
-        self.images: list[Any] = []
+        self.image: Any = None
+        self.images = 0
         self.info: Any = None
         self.rectified = rectified
         rclpy.init()
@@ -92,7 +95,8 @@ class Topic:
 
     def take_image(self, image: Any) -> None:
         with self.arrived:
-            self.images.append(image)
+            self.image = image
+            self.images += 1
             self.arrived.notify_all()
 
     def take_info(self, info: Any) -> None:
@@ -102,15 +106,15 @@ class Topic:
 
     def next_frame(self, deadline: float) -> Frame | None:
         with self.arrived:
-            self.images.clear()
             # The first image to arrive may have been exposed before the request.
-            if not self.arrived.wait_for(lambda: len(self.images) > 1 and self.info is not None,
+            wanted = self.images + 2
+            if not self.arrived.wait_for(lambda: self.images >= wanted and self.info is not None,
                                          deadline - time.time()):
                 return None
-            image, info = self.images[-1], self.info
+            image, info = self.image, self.info
         kinds = {"16UC1": "u2", "mono16": "u2", "32FC1": "f4"}
         if image.encoding not in kinds:
-            raise SystemExit(f"images are {image.encoding}: 16UC1 (mm) or 32FC1 (m) is wanted")
+            raise ValueError(f"images are {image.encoding}: 16UC1 (mm) or 32FC1 (m) is wanted")
         dtype = np.dtype(kinds[image.encoding]).newbyteorder(">" if image.is_bigendian else "<")
         rows = np.frombuffer(bytes(image.data), np.uint8).reshape(image.height, image.step)
         z = np.ascontiguousarray(rows[:, : image.width * dtype.itemsize]).view(dtype)
@@ -148,16 +152,24 @@ def main() -> None:
     numbers = itertools.count(1)
 
     class Client(socketserver.StreamRequestHandler):
+        def send_frame(self) -> None:
+            frame = served.next_frame(time.time() + TIMEOUT)
+            if frame is None:
+                raise ValueError(f"no new depth image within {TIMEOUT:.0f} s")
+            self.wfile.write(encode(frame, next(numbers)))
+
         def handle(self) -> None:
-            for line in self.rfile:
-                while True:
-                    frame = served.next_frame(time.time() + 10.0)
-                    if frame is None:
-                        print("no new depth image within 10 s", flush=True)
-                        return
-                    self.wfile.write(encode(frame, next(numbers)))
-                    if line != b"stream\n":
-                        break
+            try:
+                for line in self.rfile:
+                    if line not in (b"capture\n", b"stream\n"):
+                        raise ValueError(f"a client asked for {line[:20]!r}")
+                    self.send_frame()
+                    while line == b"stream\n":
+                        self.send_frame()
+            except ValueError as problem:  # this client gets no frame, the next one may
+                print(f"serve_depth: {problem}", file=sys.stderr, flush=True)
+            except ConnectionError:
+                pass  # it has gone
 
     socketserver.ThreadingTCPServer.allow_reuse_address = True
     socketserver.ThreadingTCPServer.daemon_threads = True

@@ -2,6 +2,7 @@
 import json
 import os
 import pathlib
+import socket
 import subprocess
 import sys
 import tempfile
@@ -57,8 +58,10 @@ class ServeDepth(unittest.TestCase):
         self.folder = pathlib.Path(folder.name)
 
     def serve(self, *arguments, **environment):
-        server = subprocess.Popen([sys.executable, "-B", str(SERVER), *arguments], stdout=subprocess.PIPE, text=True,
-                                  env={**os.environ, **environment})
+        self.errors = self.folder / "errors"
+        with self.errors.open("w") as errors:
+            server = subprocess.Popen([sys.executable, "-B", str(SERVER), *arguments], stdout=subprocess.PIPE,
+                                      stderr=errors, text=True, env={**os.environ, **environment})
         self.addCleanup(server.stdout.close)
         self.addCleanup(server.wait)
         self.addCleanup(server.kill)
@@ -127,6 +130,24 @@ class ServeDepth(unittest.TestCase):
                                   text=True, cwd=self.folder)
             self.assertEqual(done.returncode, 2)
             self.assertIn(problem, done.stderr)
+
+    def test_what_is_no_depth_image_is_named(self):
+        frames = self.folder / "frames"
+        frames.mkdir()
+        colour, grey = np.zeros((48, 64, 3), np.uint8), np.zeros((48, 64), np.uint8)
+        port = self.serve("--folder", str(frames), "--camera", "500,510,31.5,23.5", "--depth-unit", "0.001")
+        for name, image in (("colour.png", colour), ("grey.png", grey)):
+            with socket.create_connection(("127.0.0.1", int(port)), timeout=5) as client:
+                client.sendall(b"capture\n")
+                time.sleep(0.1)
+                Image.fromarray(image).save(frames / name)
+                self.assertEqual(client.recv(1), b"", "no frame")
+            self.assertIn(f"{name}: no 16-bit depth image", self.errors.read_text())
+            (frames / name).unlink()
+        with socket.create_connection(("127.0.0.1", int(port)), timeout=5) as client:
+            client.sendall(b"GET / HTTP/1.1\n")
+            self.assertEqual(client.recv(1), b"")
+        self.assertIn("a client asked for b'GET", self.errors.read_text())
 
     def test_nothing_that_is_new_is_no_frame(self):
         Image.fromarray(np.full((48, 64), 999, np.uint16)).save(self.folder / "old.png")
