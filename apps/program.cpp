@@ -5,12 +5,19 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <iostream>
 #include <string>
+#include <thread>
+
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 #include "command_line.hpp"
 #include "stonestack/core/error.hpp"
@@ -69,6 +76,15 @@ void install_signal_handlers() {
   sigaction(SIGPIPE, &nothing, nullptr);  // likewise: an arm that moves is not left for who reads messages
 }
 
+/// One heap for each processor, where glibc would open eight: a program of many short threads holds what is
+/// free in every one of them. The user's MALLOC_ARENA_MAX stands.
+void bound_heaps_of_threads() {
+#ifdef __GLIBC__
+  if (std::getenv("MALLOC_ARENA_MAX") == nullptr)
+    mallopt(M_ARENA_MAX, static_cast<int>(std::max(2u, std::thread::hardware_concurrency())));
+#endif
+}
+
 int run(int argc, char** argv, const std::function<void(CLI::App& app)>& set_up) {
   CLI::App app;
   app.set_version_flag("--version", program_version());
@@ -95,6 +111,7 @@ int guarded(const Work& work) {
 }  // namespace
 
 int run_program(int argc, char** argv, const std::function<void(CLI::App& app)>& set_up) {
+  bound_heaps_of_threads();
   replace_closed_streams();
   install_signal_handlers();
   const int code = guarded([&] { return run(argc, argv, set_up); });
