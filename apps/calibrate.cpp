@@ -230,7 +230,7 @@ void add_calibrate(CLI::App& app) {
       "--capture: a stone of the catalogue, or a block, lies in the middle of the field and is left alone.\n"
       "--table: the field is clear and the gripper empty. The gripper opens, the camera views the field, "
       "and\n"
-      "the open fingers go down at 10 mm/s until the wrist feels the table. Exit code 6 and nothing written\n"
+      "the open fingers go down at 5 mm/s until the wrist feels the table. Exit code 6 and nothing written\n"
       "where touch and camera disagree by more than 5 mm or 0.75 deg.\n"
       "PAIRS: {schema: stonestack.hand_eye/1, camera: on_hand, pairs: [{T_R_F: {x, y, z, qx, qy, qz, qw}, "
       "T_C_B: ...}]}");

@@ -58,7 +58,7 @@ TEST(TouchTable, FindsATableThatIsWhereItIsSaidToBe) {
   EXPECT_LT(table.touched.tilt, 0.15 * kDegree);
   EXPECT_THAT(table.problems, testing::IsEmpty()) << to_text(table);
   EXPECT_EQ(in.arm.descents, 3);
-  EXPECT_LE(in.arm.fastest_descent, 0.0101);
+  EXPECT_LE(in.arm.fastest_descent, 0.0051);
   EXPECT_LE(in.arm.fastest, 0.255);
   for (const double force : table.force) EXPECT_GT(force, 4.0);
   EXPECT_GT(

@@ -101,7 +101,7 @@ struct TouchedTable {
 /// Touches the table at three points with the open and empty gripper, and compares the plane through them
 /// with the one that the camera sees. One view of the field is taken first. The three points lie on bare
 /// table, free for the gripper, as far apart as the view and the arm's reach allow; the routes to all of them
-/// are planned before the first descent. A descent is straight down, at 10 mm/s, guarded by the force at the
+/// are planned before the first descent. A descent is straight down, at 5 mm/s, guarded by the force at the
 /// wrist, and ends 25 mm below where table and camera would have it at the latest. The gripper opens fully
 /// first: that is where the tip of the tool is defined. In the end the arm returns to where it stood, if the
 /// way is free. The tool is never faster than 0.25 m/s.
