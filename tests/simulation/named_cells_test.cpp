@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "cell_bench.hpp"
+#include "simulation/true_world.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::simulation {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "stone/geodesic.hpp"
+#include "stonestack/core/error.hpp"
 
 namespace stonestack::stone {
 namespace {

@@ -10,6 +10,7 @@
 #include "stone/geodesic.hpp"
 #include "stone/reduce_mesh.hpp"
 #include "stone/stone_yaml.hpp"
+#include "stonestack/core/error.hpp"
 #include "stonestack/stone/catalogue.hpp"
 #include "stonestack/stone/model_stone.hpp"
 #include "temporary_folder.hpp"

@@ -1,5 +1,6 @@
 #include "emulators/ur/dashboard_session.hpp"
 #include "emulators/ur/server_links.hpp"
+#include "stonestack/core/error.hpp"
 
 namespace stonestack::emulators {
 namespace {
