@@ -115,6 +115,10 @@ function(stonestack_tests room)
   add_executable(${target} ${TESTS_UNPARSED_ARGUMENTS} ${TESTS_OPTIMISED})
   set_source_files_properties(${TESTS_OPTIMISED} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON SKIP_PRECOMPILE_HEADERS ON
     COMPILE_OPTIONS ${STONESTACK_QUICK_TO_COMPILE})
+  if(STONESTACK_SANITIZE STREQUAL "thread")
+    target_sources(${target} PRIVATE "${PROJECT_SOURCE_DIR}/tests/thread_sanitizer.cpp")
+    target_link_libraries(${target} PRIVATE TBB::tbb)
+  endif()
   target_include_directories(${target} PRIVATE "${PROJECT_SOURCE_DIR}/tests")
   target_compile_definitions(${target} PRIVATE
     STONESTACK_SOURCE_DIR="${PROJECT_SOURCE_DIR}" STONESTACK_BINARY="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/stonestack")
