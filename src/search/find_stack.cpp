@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kOnTable = 0.012;  // m: lower than this, a stone lies on the table
 constexpr double kTouch = 0.006;    // m between surfaces: measured poses err by 1 to 3 mm each
-constexpr double kUpwards = 0.3;    // z of the carrier's mean normal where it is touched
+constexpr double kCarries = 0.3;    // z of the carrier's mean normal where it is touched
 constexpr double kAtSite = 0.12;    // m from the site to the centre of mass of a tower's lowest stone
 constexpr double kFingers = 0.03;   // m beside a stone for the gripper's fingers
 constexpr double kInView = 0.8;     // share of the cells below a stone in which the table is seen
@@ -66,7 +66,7 @@ bool carries(const Body& lower, const Body& upper) {
     if (lower.shape->distance.distance(T_L_U * sample.point, &outwards) < kTouch) normal_L += outwards;
   }
   if (normal_L.isZero()) return false;
-  return (lower.placed.T_W_O.linear() * normal_L.normalized()).z() > kUpwards;
+  return (lower.placed.T_W_O.linear() * normal_L.normalized()).z() > kCarries;
 }
 
 /// Sets what carries what. A stone that lies on one that lies on a third is carried by the second alone,
