@@ -28,7 +28,7 @@ namespace {
 
 constexpr double kHover = 0.10;         // m above where table and camera have it at the highest
 constexpr double kFurtherDown = 0.025;  // m below where they have it at the lowest: kRoughTable.height
-constexpr double kTouchSpeed = 0.005;   // m/s
+constexpr double kTouchSpeed = 0.005;   // m/s: what the guard feels comes late on a busy host
 constexpr double kTouchTime = 300.0;    // s, for all of it
 constexpr double kLightest = 0.1;       // kg: a stone so light is felt by the smallest threshold
 constexpr double kTouchOpenSpeed = 0.03, kTouchOpenForce = 30.0;  // m/s, N: of empty fingers
@@ -250,7 +250,8 @@ class TableToucher {
                         "clear the field, and see `stonestack doctor` about the camera");
     const ExpectedTable expected = expected_table(transformed(*table_C, view.T_W_C));
     const std::vector<Touch> touches = plan(view, *table_C, expected);
-    log_info("the table is seen; the fingers go down at three points, at 5 mm/s");
+    log_info(
+        concat("the table is seen; the fingers go down at three points, at ", 1e3 * kTouchSpeed, " mm/s"));
     std::vector<Pose> T_W_T;
     TouchedTable found;
     for (std::size_t k = 0; k < touches.size(); ++k) {

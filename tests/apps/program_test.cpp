@@ -49,7 +49,7 @@ void allocate_in_threads(std::size_t count) {
 
 TEST(Program, OpensNoHeapForEachOfManyThreads) {
   if (test::kSanitizerAllocates) GTEST_SKIP() << "a sanitizer has a heap of its own";
-  if (std::getenv("MALLOC_ARENA_MAX") != nullptr) GTEST_SKIP() << "MALLOC_ARENA_MAX is the user's";
+  ::unsetenv("MALLOC_ARENA_MAX");
   const std::size_t processors = std::max(2u, std::thread::hardware_concurrency());
   std::string name = "program", command = "threads";
   char* arguments[] = {name.data(), command.data(), nullptr};
