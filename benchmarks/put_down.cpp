@@ -1,6 +1,7 @@
 #include "put_down.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "physics/settle.hpp"
 #include "physics/shape.hpp"
@@ -9,6 +10,7 @@ namespace stonestack::bench {
 namespace {
 
 constexpr double kDrop = 0.001, kRaise = 0.0005;  // m
+constexpr double kFar = 0.03;                     // m
 constexpr int kMaxRaises = 40;
 constexpr int kMaxDraws = 50;  // of centres of mass, until the stack below stands with them
 
@@ -60,18 +62,29 @@ std::vector<Eigen::Vector3d> com_errors(const ShapeList& shapes, const Stack& be
   return stand.com_error_O;
 }
 
-}  // namespace
-
-std::optional<Stack> put_down(const ShapeList& shapes, const Stack& below, const Placement& target,
-                              const PlacementNoise& noise, Random& random) {
+/// The stack with the stone where it is let go: beside its target, just above where it would touch.
+Stack let_go(const ShapeList& shapes, const Stack& below, const Placement& target,
+             const PlacementNoise& noise, Random& random) {
   Stack higher = below;
   const Eigen::Vector3d& p_O_M = at(shapes, target.stone)->mass.p_O_M;
   higher.stones.push_back({target.stone, displaced(target.T_W_O, p_O_M, noise, random)});
   PlacedStone& top = higher.stones.back();
-  // It is let go just above where it would touch.
   top.T_W_O.pretranslate(Eigen::Vector3d(0, 0, kDrop));
   for (int k = 0; k < kMaxRaises && top_penetrates(shapes, higher); ++k)
     top.T_W_O.pretranslate(Eigen::Vector3d(0, 0, kRaise));
+  return higher;
+}
+
+bool went_far(const Pose& T_W_before, const Pose& T_W_after) {
+  return (T_W_after.translation() - T_W_before.translation()).norm() > kFar;
+}
+
+}  // namespace
+
+std::optional<Stack> put_down(const ShapeList& shapes, const Stack& below, const Placement& target,
+                              const PlacementNoise& noise, Random& random) {
+  Stack higher = let_go(shapes, below, target, noise, random);
+  PlacedStone& top = higher.stones.back();
   SettleOptions settling;
   settling.world.friction = noise.friction;
   StandOptions stand = stand_options(noise);
@@ -84,6 +97,21 @@ std::optional<Stack> put_down(const ShapeList& shapes, const Stack& below, const
   const StandVerdict verdict = judge_stack(shapes, higher, stand);
   if (!verdict.stands || !verdict.clean) return std::nullopt;
   for (std::size_t k = 0; k < higher.stones.size(); ++k) higher.stones[k].T_W_O = verdict.T_W_O[k];
+  return higher;
+}
+
+std::optional<Stack> set_down_in_wall(const ShapeList& shapes, const Stack& below, const Placement& target,
+                                      const PlacementNoise& noise, Random& random) {
+  Stack higher = let_go(shapes, below, target, noise, random);
+  StandOptions stand = stand_options(noise);
+  stand.max_shift = kFar;
+  stand.max_turn = M_PI;
+  stand.fall = 0.0;
+  const StandVerdict verdict = judge_stack(shapes, higher, stand);
+  for (std::size_t k = 0; k < below.stones.size(); ++k)
+    if (went_far(below.stones[k].T_W_O, verdict.T_W_O[k])) return std::nullopt;
+  for (std::size_t k = 0; k < higher.stones.size(); ++k) higher.stones[k].T_W_O = verdict.T_W_O[k];
+  if (went_far(target.T_W_O, higher.stones.back().T_W_O)) higher.stones.pop_back();
   return higher;
 }
 

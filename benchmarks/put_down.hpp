@@ -22,4 +22,11 @@ struct PlacementNoise {
                                             const Placement& target, const PlacementNoise& noise,
                                             Random& random);
 
+/// Puts a stone of a wall down beside its target and lets everything come to rest, wherever that is, as long
+/// as it is within 30 mm of where it was: the stack then; without the stone, if it alone went further;
+/// nothing if another did.
+[[nodiscard]] std::optional<Stack> set_down_in_wall(const ShapeList& shapes, const Stack& below,
+                                                    const Placement& target, const PlacementNoise& noise,
+                                                    Random& random);
+
 }  // namespace stonestack::bench

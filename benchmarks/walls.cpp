@@ -1,13 +1,19 @@
 // Walls of drawn stones, planned with exact placement: how many of the stones that were asked for stand, in
 // this library's engine and in another one, and what the wall is like.
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <memory>
+#include <numeric>
 
 #include "bench.hpp"
 #include "growth.hpp"
+#include "put_down.hpp"
+#include "stacking/settle_stack.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
+#include "stonestack/core/random.hpp"
 #include "stonestack/search/plan_wall.hpp"
 #include "wall_growth.hpp"
 #include "walls.hpp"
@@ -15,26 +21,38 @@
 namespace stonestack::bench {
 namespace {
 
+constexpr double kJointOfNoisy = 0.01;  // m between neighbours, as the arm asks for
+constexpr double kSamePlace = 0.012;    // m: a stone that fell there, or was taken off, is not set down again
+constexpr int kMaxFallen = 3;           // stones that fall, until a wall is given up
+
 struct WallBenchOptions : StructureBenchOptions {
+  int take_off = 0;
+
   std::vector<int> courses{4, 3, 2, 1};
   double length = 0.0;
   int levels = 3;
-  std::vector<int> growth;  // stones that stand; empty: no growth is measured
+  double noise = 0.0, noise_turn = 0.0;  // mm, deg: one sigma along and about each axis
+  std::vector<int> growth;               // stones that stand; empty: no growth is measured
   std::string plot;
 };
 
-/// A planned wall and what became of it.
+/// A planned or built wall and what became of it.
 struct WallOutcome {
   WallMetrics metrics;
   std::string reason;  ///< what stood in the way of more
   int stands = 0;      ///< stones that moved by less than the limits in this library's engine
+  int fallen = 0;      ///< stones that were set down in vain
+  int taken_off = 0;   ///< stones taken off again
   OdeVerdict ode;
   double cpu = 0.0;
 };
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(WallOutcome, metrics, reason, stands, ode, cpu)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(WallOutcome, metrics, reason, stands, fallen, taken_off, ode, cpu)
 
-WallOutcome plan_and_judge(const WallBenchOptions& options, const StonePool& pool, int k) {
-  const SearchProblem problem = draw_problem(pool, options.seed, k, options.stones);
+bool is_noisy(const WallBenchOptions& options) {
+  return options.noise > 0.0 || options.noise_turn > 0.0;
+}
+
+WallTarget target_of(const WallBenchOptions& options) {
   WallTarget target;
   if (options.length > 0.0) {
     target.length = options.length;
@@ -42,15 +60,143 @@ WallOutcome plan_and_judge(const WallBenchOptions& options, const StonePool& poo
   } else {
     target.courses = options.courses;
   }
+  if (is_noisy(options)) target.joint_gap = std::max(target.joint_gap, kJointOfNoisy);
+  return target;
+}
+
+/// A wall that is built stone by stone, beside where each was planned, and planned anew from what stands.
+class NoisyWall {
+ public:
+  NoisyWall(const WallBenchOptions& options, const StonePool& pool, int k)
+      : options_(options),
+        pool_(pool),
+        target_(target_of(options)),
+        problem_(draw_problem(pool, options.seed, k, options.stones)),
+        random_(Random::stream(static_cast<std::uint64_t>(options.seed), concat("noise of wall ", k))) {
+    noise_.shift = 1e-3 * options.noise;
+    noise_.turn = options.noise_turn * M_PI / 180.0;
+    noise_.friction = options.search.friction;
+    problem_.reachable = [this](StoneIndex stone, const Pose& T_W_O, const Stack&) {
+      return std::none_of(given_up_.begin(), given_up_.end(), [&](const PlacedStone& other) {
+        return other.stone == stone && (other.T_W_O.translation() - T_W_O.translation()).norm() < kSamePlace;
+      });
+    };
+  }
+
+  void build() {
+    while (!is_whole() && !interrupt_noted()) {
+      const WallPlan plan = plan_on_what_stands();
+      reason_ = plan.reason;
+      if (plan.placements.empty() ? !take_off() : !set_down(plan)) break;
+    }
+  }
+  [[nodiscard]] const Stack& stack() const { return problem_.stack; }
+  [[nodiscard]] WallOutcome outcome() const {
+    WallOutcome outcome;
+    if (begun_) outcome.metrics = measure_wall(problem_, target_, *begun_, options_.search);
+    outcome.metrics.asked = std::accumulate(target_.courses.begin(), target_.courses.end(), 0);
+    outcome.reason = reason_;
+    outcome.fallen = fallen_;
+    outcome.taken_off = taken_off_;
+    return outcome;
+  }
+
+ private:
+  [[nodiscard]] bool is_whole() const {
+    const int asked = std::accumulate(target_.courses.begin(), target_.courses.end(), 0);
+    return asked > 0 && problem_.stack.stones.size() >= static_cast<std::size_t>(asked);
+  }
+
+  /// Plans upon the stack as it settles in the planner's shapes, or else held where it is, as the loop does.
+  [[nodiscard]] WallPlan plan_on_what_stands() const {
+    SearchProblem here = problem_;
+    if (!here.stack.stones.empty()) {
+      const auto resting = stacking::resting_stacks(*here.shapes, here.stack, options_.search,
+                                                    {options_.search.friction}, false);
+      if (const auto& at_rest = resting.front().stack)
+        here.stack = *at_rest;
+      else
+        here.held = static_cast<int>(here.stack.stones.size());
+    }
+    return plan_wall(here, target_, options_.search, {}, begun_);
+  }
+
+  /// @return false where the wall falls, or too many stones did
+  bool set_down(const WallPlan& plan) {
+    const WallPlacement& next = plan.placements.front();
+    if (!begun_) begun_ = WallBegun{plan.T_W_V, {}, {}};
+    const auto higher = set_down_in_wall(pool_.fine, problem_.stack, next.placement, noise_, random_);
+    if (!higher) {
+      reason_ = "the wall falls";
+      return false;
+    }
+    if (higher->stones.size() == problem_.stack.stones.size()) {
+      problem_.stack = *higher;
+      begun_->rest.clear();
+      given_up_.push_back({next.placement.stone, next.placement.T_W_O});
+      if (++fallen_ <= kMaxFallen) return true;
+      reason_ = "too many stones fell";
+      return false;
+    }
+    problem_.stack = *higher;
+    begun_->courses.push_back(next.course);
+    begun_->rest.assign(plan.placements.begin() + 1, plan.placements.end());
+    std::erase_if(problem_.available,
+                  [&](const PlacedStone& stone) { return stone.stone == next.placement.stone; });
+    return true;
+  }
+
+  /// Takes the last stone off, if without it more can be built than stands now.
+  bool take_off() {
+    if (problem_.stack.stones.empty() || taken_off_ >= options_.take_off) return false;
+    const SearchProblem before = problem_;
+    const std::optional<WallBegun> begun_before = begun_;
+    given_up_.push_back(problem_.stack.stones.back());
+    problem_.available.push_back(problem_.stack.stones.back());
+    problem_.stack.stones.pop_back();
+    begun_->courses.pop_back();
+    begun_->rest.clear();
+    const WallPlan plan = plan_on_what_stands();
+    if (plan.placements.size() > 1) {
+      ++taken_off_;
+      begun_->rest = plan.placements;
+      return true;
+    }
+    problem_ = before;
+    begun_ = begun_before;
+    return false;
+  }
+
+  const WallBenchOptions& options_;
+  const StonePool& pool_;
+  WallTarget target_;
+  SearchProblem problem_;
+  Random random_;
+  PlacementNoise noise_;
+  std::optional<WallBegun> begun_;
+  std::vector<PlacedStone> given_up_;
+  std::string reason_;
+  int fallen_ = 0, taken_off_ = 0;
+};
+
+WallOutcome plan_and_judge(const WallBenchOptions& options, const StonePool& pool, int k) {
   const double start = processor_seconds();
   WallOutcome outcome;
-  const WallPlan plan = plan_wall(problem, target, options.search);
-  outcome.cpu = processor_seconds() - start;
-  outcome.metrics = plan.metrics;
-  outcome.reason = plan.reason;
   Stack wall;
-  for (const WallPlacement& p : plan.placements)
-    wall.stones.push_back({p.placement.stone, p.placement.T_W_O});
+  if (is_noisy(options)) {
+    NoisyWall noisy(options, pool, k);
+    noisy.build();
+    outcome = noisy.outcome();
+    wall = noisy.stack();
+  } else {
+    const WallPlan plan =
+        plan_wall(draw_problem(pool, options.seed, k, options.stones), target_of(options), options.search);
+    outcome.metrics = plan.metrics;
+    outcome.reason = plan.reason;
+    for (const WallPlacement& p : plan.placements)
+      wall.stones.push_back({p.placement.stone, p.placement.T_W_O});
+  }
+  outcome.cpu = processor_seconds() - start;
   if (wall.stones.empty()) return outcome;
   StandOptions stand;
   stand.friction = options.search.friction;
@@ -66,12 +212,14 @@ WallOutcome plan_and_judge(const WallBenchOptions& options, const StonePool& poo
 void report_wall(int draw, const WallOutcome& outcome) {
   const WallMetrics& m = outcome.metrics;
   std::fprintf(stderr,
-               "draw %d: %d of %d stones, %d stand, ODE %d (%.2f mm), margin %.3f g, fill %.2f, face %.2f, "
+               "draw %d: %d of %d stones, %d stand, %d fell, %d taken off, ODE %d (%.2f mm), margin %.3f g, "
+               "fill %.2f, face %.2f, "
                "open joints "
                "%d of %d, flat %.1f mm, height %.0f mm, CPU %.1f s%s%s\n",
-               draw, m.placed, m.asked, outcome.stands, outcome.ode.standing, 1e3 * outcome.ode.shift,
-               m.margin, m.fill, m.face, m.open_joints, m.joints, 1e3 * m.flatness, 1e3 * m.height,
-               outcome.cpu, outcome.reason.empty() ? "" : "; ", outcome.reason.c_str());
+               draw, m.placed, m.asked, outcome.stands, outcome.fallen, outcome.taken_off,
+               outcome.ode.standing, 1e3 * outcome.ode.shift, m.margin, m.fill, m.face, m.open_joints,
+               m.joints, 1e3 * m.flatness, 1e3 * m.height, outcome.cpu, outcome.reason.empty() ? "" : "; ",
+               outcome.reason.c_str());
 }
 
 std::vector<TableValue> wall_cells(const WallBenchOptions& options, const std::string& pool,
@@ -112,6 +260,9 @@ void measure_walls(const WallBenchOptions& options, Results& results, Draws& dra
                     {"friction", s.friction},
                     {"perturbations", s.perturbations},
                     {"stand_s", options.judges.stand_seconds},
+                    {"noise_mm", options.noise},
+                    {"noise_turn_deg", options.noise_turn},
+                    {"take_off", options.take_off},
                     {"seed", options.seed}});
   std::vector<Column> columns{{"stones"},      {"draws"},    {"whole"},       {"whole_that_stand"},
                               {"mean_stones"}, {"margin_g"}, {"fill"},        {"face"},
@@ -182,6 +333,16 @@ void add_walls(CLI::App& app) {
       ->capture_default_str();
   sub->add_option("--levels", options->levels, "Courses of a straight wall")
       ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  sub->add_option("--noise", options->noise, "Of each placement, one sigma along each axis, mm")
+      ->check(CLI::Range(0.0, 50.0))
+      ->capture_default_str();
+  sub->add_option("--noise-turn", options->noise_turn, "Of each placement, one sigma about each axis, deg")
+      ->check(CLI::Range(0.0, 45.0))
+      ->capture_default_str();
+  sub->add_option("--take-off", options->take_off,
+                  "With --noise: stones that may be taken off where nothing fits")
+      ->check(CLI::Range(0, 100))
       ->capture_default_str();
   CLI::Option* const growth =
       sub->add_option("--growth", options->growth, "Instead: cost of the next stone where so many stand")

@@ -12,6 +12,12 @@ struct Trial {
   double estimate = 0.0;          ///< of the proposal [g]
   double look_ahead = 0.0;        ///< [g]
 
+  /// Stones may move a little and turn as the stack takes the load of this one. For walls that are measured
+  /// after each stone.
+  bool may_rock = false;
+  /// Poses of all stones of the stack, this one last, after they did; empty where they may not.
+  std::vector<Pose> T_W_O_loaded = {};
+
   bool alive = true;
   std::string outcome;  ///< why it was dropped
   Placement placement;  ///< with the pose at rest
@@ -28,7 +34,8 @@ struct Trial {
 /// @return the trial with its pose at rest, polygon, cost and margin, or dropped with the reason.
 [[nodiscard]] Trial settled_trial(const SearchContext& context, const Stack& below, Trial trial);
 
-/// Judges the whole stack with every stone dynamic.
+/// Judges the whole stack with every stone dynamic. Where stones may rock, the stack must be left at least
+/// `min_margin` afterwards.
 /// @return the trial, dropped with the reason if the stack does not stand.
 [[nodiscard]] Trial judged_trial(const SearchContext& context, const Stack& below, Trial trial);
 

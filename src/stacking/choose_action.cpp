@@ -182,7 +182,7 @@ void give_up_top(const Situation& s, RunMemory& memory) {
 /// then finds a higher tower.
 std::optional<Action> unstack(const Situation& s, RunMemory& memory) {
   throw_if_interrupted();
-  if (memory.stack_stays || s.models.wall) return std::nullopt;
+  if (memory.stack_stays) return std::nullopt;
   if (!s.arrangement.stack.empty()) give_up_top(s, memory);
   auto& expected = memory.search->expected_unstacked;
   if (!expected) expected = expected_unstacked(s, memory);

@@ -210,6 +210,18 @@ SearchOutcome search_wall(const Situation& s, const RunMemory& memory) {
   return outcome;
 }
 
+double expected_in_wall(const Situation& s, const RunMemory& memory, const SearchProblem& problem,
+                        Route route) {
+  if (!memory.wall) return 0.0;
+  const std::size_t level = first_friction(possible_frictions(s.world), memory.friction);
+  const WallTarget target = with_stones(wall_for_arm(*s.models.wall), stones_present(problem));
+  const WallPlan plan = plan_wall(problem, target, options_at(s.options, memory.friction, level, route), {},
+                                  standing_wall(*memory.wall, problem.stack.stones));
+  const std::size_t standing = problem.stack.stones.size();
+  if (standing + plan.placements.size() <= s.arrangement.stack.size()) return 0.0;
+  return static_cast<double>(standing) + expected_stones(plan);
+}
+
 WallMetrics measure_wall(const Models& models, const Arrangement& arrangement, const RunMemory& memory,
                          SearchOptions options) {
   const FrictionEstimate& friction = memory.friction;

@@ -20,6 +20,11 @@ namespace stonestack::stacking {
 /// where no whole wall is found without.
 [[nodiscard]] SearchOutcome search_wall(const Situation& situation, const RunMemory& memory);
 
+/// Stones that are expected to stand in the end if the wall goes on from what stands in `problem`, a wall
+/// with fewer stones than now; 0 where no more than now are found.
+[[nodiscard]] double expected_in_wall(const Situation& situation, const RunMemory& memory,
+                                      const SearchProblem& problem, Route route);
+
 /// Figures of the wall as it stands, at the friction that is expected; `memory.wall` is not empty.
 [[nodiscard]] WallMetrics measure_wall(const Models& models, const Arrangement& arrangement,
                                        const RunMemory& memory, SearchOptions options);

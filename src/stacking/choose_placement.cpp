@@ -18,6 +18,7 @@ namespace {
 
 constexpr std::size_t kDirectFirst = 3;  // frictions at which no stone is reoriented: that takes 25 s each
 constexpr std::size_t kMaxRefused = 12;  // poses without a motion, after which no others are searched for
+constexpr std::size_t kMaxOffWall = 2;   // stones that are taken off a wall at once: each is a plan of it
 constexpr double kSamePlace = 0.012;     // m, of the centre of mass: nearer is what was tried before
 constexpr double kSameTurn = 0.26;       // rad: the same
 
@@ -82,9 +83,9 @@ std::shared_ptr<Reach> make_reach(const Arrangement& arrangement, const WorldEst
       *models.catalogue, options.motion);
 }
 
-/// The tower is seen to stand, and by its models it does at no friction.
+/// Tower or wall are seen to stand, and by their models they do at no friction.
 bool cannot_rest(const Situation& s) {
-  return !s.arrangement.stack.empty() && !s.models.wall && !stands_at_some_friction(s.world.resting);
+  return !s.arrangement.stack.empty() && !stands_at_some_friction(s.world.resting);
 }
 
 /// How many of `stones` more are planned upon `standing` ones: none above the height that was asked for.
@@ -311,6 +312,7 @@ double expected_from(const Situation& s, const RunMemory& memory, const Arrangem
   SearchProblem problem =
       make_problem(s, memory, lower, make_reach(lower, s.world, s.models, s.options), route);
   if (problem.available.empty()) return 0.0;
+  if (s.models.wall) return expected_in_wall(s, memory, problem, route);
   const int levels = levels_ahead(s.options, lower.stack.size(), static_cast<int>(problem.available.size()));
   const std::vector<bool> possible = possible_frictions(s.world);
   double best_expected = 0.0;
@@ -491,7 +493,8 @@ std::optional<Action> choose_placement(const Situation& s, RunMemory& memory) {
 }
 
 std::vector<double> expected_unstacked(const Situation& s, const RunMemory& memory) {
-  const auto allowed = static_cast<std::size_t>(std::max(0, s.options.max_unstacked - memory.unstacked));
+  auto allowed = static_cast<std::size_t>(std::max(0, s.options.max_unstacked - memory.unstacked));
+  if (s.models.wall) allowed = std::min(allowed, kMaxOffWall);
   const std::size_t stack = s.arrangement.stack.size();
   const auto all = static_cast<double>(stack + s.arrangement.loose.size());
   std::vector<double> expected;

@@ -7,6 +7,7 @@
 #include "box_scenes.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
+#include "stonestack/stone/model_stone.hpp"
 #include "temporary_folder.hpp"
 
 namespace stonestack::search {
@@ -177,6 +178,67 @@ TEST(PlanWall, PlansAnewWhereTheRestOfThePlanDoesNotHold) {
   const WallPlan plan = half.plan();
   ASSERT_EQ(plan.placements.size(), 2U) << plan.reason;
   EXPECT_GT((place(plan, 0) - half.problem.stack.stones.front().T_W_O.translation()).norm(), 0.10);
+}
+
+/// Five limestones of a wall of 3 + 2 + 1 as they were put down with errors, and the one that is to lie on
+/// top.
+struct NearlyBuilt {
+  ShapeList shapes = limestones();
+  SearchProblem problem;
+  WallBegun begun{Pose::Identity(), {0, 0, 0, 1, 1}, {}};
+  SearchOptions options = quick();
+
+  NearlyBuilt() {
+    problem.shapes = &shapes;
+    problem.stack.stones = {
+        {3_stone, pose({-0.15200, -0.00924, 0.03467}, {0.984177, 0.092356, 0.007043, 0.151049})},
+        {5_stone, pose({-0.02176, -0.00887, 0.03415}, {0.016748, 0.738236, 0.673034, -0.041870})},
+        {4_stone, pose({0.12007, 0.00187, 0.03347}, {-0.091694, 0.609219, 0.783955, -0.076545})},
+        {0_stone, pose({-0.08272, -0.01532, 0.10270}, {-0.162051, 0.016038, 0.832860, 0.528987})},
+        {1_stone, pose({0.04891, -0.00270, 0.09014}, {0.744126, 0.121028, 0.115707, 0.646715})}};
+    problem.available = {{2_stone, at(0.6, 0.0, 0.05)}};
+    options.friction = 0.3;
+    options.directions = SearchOptions().directions;
+    options.yaws = SearchOptions().yaws;
+  }
+  static ShapeList limestones() {
+    ShapeList made;
+    LimestoneOptions options;
+    options.faces = 2000;
+    for (int k = 0; k < 6; ++k) {
+      const Mesh mesh = make_limestone(1000 + static_cast<std::uint64_t>(k), options);
+      const Mesh centred =
+          transformed(mesh, make_pose(Eigen::Vector3d(-mass_properties(mesh, 2600.0).p_O_M)));
+      made.push_back(make_contact_shape(centred, mass_properties(centred, 2600.0), concat("limestone_", k)));
+    }
+    return made;
+  }
+  static Pose pose(const Eigen::Vector3d& p_W_O, const Eigen::Quaterniond& q_W_O) {
+    Pose T_W_O = Pose::Identity();
+    T_W_O.linear() = q_W_O.normalized().toRotationMatrix();
+    T_W_O.translation() = p_W_O;
+    return T_W_O;
+  }
+  [[nodiscard]] WallPlan plan() const { return plan_wall(problem, courses({3, 2, 1}), options, {}, begun); }
+};
+
+TEST(PlanWall, WhereAnArmBuildsStonesMayRockUnderTheLoad) {
+  NearlyBuilt wall;
+  wall.problem.reachable = [](StoneIndex, const Pose&, const Stack&) { return true; };
+  const WallPlan plan = wall.plan();
+  ASSERT_EQ(plan.placements.size(), 1U) << plan.reason;
+  Stack whole = wall.problem.stack;
+  whole.stones.push_back({2_stone, plan.placements.front().placement.T_W_O});
+  StandOptions stand;
+  stand.friction = 0.3;
+  stand.seconds = 5.0;
+  EXPECT_FALSE(judge_stack(wall.shapes, whole, stand).stands) << "within 1 mm and 1 deg";
+  stand.max_shift = 0.006;
+  stand.max_turn = 0.1;
+  const StandVerdict verdict = judge_stack(wall.shapes, whole, stand);
+  EXPECT_TRUE(verdict.stands) << verdict.reason;
+  EXPECT_GT(verdict.turn, 0.03)
+      << "rad: the planned place is one of those that the limits of a firm stack refuse";
 }
 
 TEST(PlanWall, AWallThatIsWholeAsksForNothing) {

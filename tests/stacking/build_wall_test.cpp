@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "stacking/choose_action.hpp"
 #include "stacking/saved_states.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
@@ -37,6 +38,44 @@ struct WallRun {
     result = build_tower(cell, catalogue, robot, options, hooks);
   }
 };
+
+/// The state before the last decision with `standing` stones in the wall.
+State state_with(const WallRun& run, std::size_t standing) {
+  std::vector<std::string> files;
+  for (const auto& entry : std::filesystem::directory_iterator(run.states))
+    if (entry.is_regular_file()) files.push_back(entry.path().string());
+  std::sort(files.rbegin(), files.rend());
+  for (const std::string& file : files)
+    if (State state = read_state(file, run.catalogue); state.world.stack.size() == standing) return state;
+  throw InvalidArgument(concat("no state with ", standing, " stones in the wall"));
+}
+
+/// Expects the second stone to be taken off where both came to rest beside the axis: none can lie on them.
+void expect_second_is_taken_off(const WallRun& run) {
+  State state = state_with(run, 2);
+  const Eigen::Vector3d across = state.memory.wall->T_W_V.linear().col(1);
+  for (const auto& [k, shift] : {std::pair{0, 0.14}, {1, -0.14}}) {
+    StoneEstimate& stone = state.world.stack[static_cast<std::size_t>(k)];
+    stone.T_W_O_seen.pretranslate(shift * across);
+    stone.T_W_O_at_rest.pretranslate(shift * across);
+  }
+  state.memory.plan.reset();
+  state.memory.search.reset();
+  const Models models = make_models(run.catalogue, run.robot, CellLayout{}, state.options.wall);
+  const auto decide = [&] {
+    add_resting_stacks(models, state.options, state.memory.friction, state.world);
+    return choose_action(state.world, state.memory, models, state.options);
+  };
+  const Decision decision = decide();
+  const auto* unstack = std::get_if<Unstack>(&decision.action);
+  ASSERT_NE(unstack, nullptr) << name_of(decision.action);
+  EXPECT_EQ(unstack->top.stone, state.world.stack[1].stone);
+  const auto chosen = all_of<UnstackChosen>(decision.why);
+  ASSERT_EQ(chosen.size(), 1U);
+  EXPECT_GT(chosen.front().expected, 2.0) << "more stones than stand";
+  state.options.max_unstacked = 0;
+  EXPECT_EQ(name_of(decide().action), "stop");
+}
 
 // One test: the run takes a minute.
 TEST(BuildWall, PlacesTwoStonesAndAThirdOverTheirJoint) {
@@ -77,6 +116,7 @@ TEST(BuildWall, PlacesTwoStonesAndAThirdOverTheirJoint) {
   EXPECT_FALSE(all_of<PlanHolds>(result.events).empty());
   EXPECT_EQ(test::decisions(run.states, run.catalogue, run.robot), in_run)
       << "saved states are decided as in the run";
+  expect_second_is_taken_off(run);
 }
 
 TEST(BuildWall, RefusesAWallThatItCannotRead) {

@@ -170,6 +170,24 @@ bool Placing::holds(const WallState& state, Settled& next) {
   return next.trial.alive;
 }
 
+bool Placing::holds_or_rocks(const WallState& state, Settled& next) {
+  Settled rocking = next;
+  if (holds(state, next)) return true;
+  if (!context_.problem->reachable) return false;
+  rocking.trial.may_rock = true;
+  next = std::move(rocking);
+  return holds(state, next);
+}
+
+WallState Placing::loaded(const WallState& state, const Settled& next,
+                          std::vector<Alternative> compared) const {
+  WallState higher = with(state, next, std::move(compared));
+  for (std::size_t k = 0; k < next.trial.T_W_O_loaded.size(); ++k)
+    higher.stones[k] =
+        standing(context_, {higher.stones[k].stone, next.trial.T_W_O_loaded[k]}, higher.stones[k].course);
+  return higher;
+}
+
 std::optional<Settled> Placing::as_planned(const WallState& state, const WallPlacement& planned, bool ask) {
   const Stack below = state.stack();
   const Placement& placement = planned.placement;
@@ -190,7 +208,7 @@ std::optional<Settled> Placing::as_planned(const WallState& state, const WallPla
     reason = next.trial.outcome;
     return std::nullopt;
   }
-  if (!holds(state, next)) return std::nullopt;
+  if (!holds_or_rocks(state, next)) return std::nullopt;
   next.placed = standing(context_, {placement.stone, next.trial.placement.T_W_O}, planned.course);
   return next;
 }

@@ -32,6 +32,11 @@ class Placing {
                                              int course);
   /// Judges a stone in place, with all that stands, and predicts it; false if it does not hold.
   [[nodiscard]] bool holds(const WallState& state, Settled& next);
+  /// Judges and predicts likewise; where an arm builds, stones may rock if it does not hold without.
+  [[nodiscard]] bool holds_or_rocks(const WallState& state, Settled& next);
+  /// The state with one more stone, where the stones have rocked, and what was compared with it.
+  [[nodiscard]] WallState loaded(const WallState& state, const Settled& next,
+                                 std::vector<Alternative> compared = {}) const;
   /// The next stone of an earlier plan where it was meant to go; empty if it does not hold there.
   /// @param ask whether the arm is asked
   [[nodiscard]] std::optional<Settled> as_planned(const WallState& state, const WallPlacement& planned,

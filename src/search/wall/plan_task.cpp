@@ -29,6 +29,7 @@ void put_supports(const SearchProblem& problem, const SpanTask& task, const Wall
   }
   made.problem.shapes = &made.shapes;
   made.problem.stack.stones.insert(made.problem.stack.stones.begin(), first.begin(), first.end());
+  if (problem.held > 0) made.problem.held += static_cast<int>(first.size());
   made.begun.courses.insert(made.begun.courses.begin(), first.size(), 0);
 }
 

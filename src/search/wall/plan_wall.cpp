@@ -55,11 +55,13 @@ class WallSearch {
   }
 
   void run() {
-    const int passes = context_.problem->reachable ? kPassesWithArm : kPasses;
+    const bool arm = context_.problem->reachable != nullptr;
+    const int passes = asked_ == 0 ? kPassesOfLength : (arm ? kPassesWithArm : kPasses);
     try {
       bool done = go_on_as_planned() || rest_only_;
       for (int pass = 0; pass < passes && !done && !context_.out_of_time(); ++pass) {
         variation_ = pass == 0 ? 0.0 : kVariation;
+        may_rock_ = arm && pass + 1 == passes;
         random_ = Random::stream(static_cast<std::uint64_t>(context_.options->seed), concat("wall ", pass));
         placing_.judged = 0;
         longest_ = {};
@@ -67,7 +69,6 @@ class WallSearch {
           grow(start_);
         else
           done = complete(start_);
-        done = done || (asked_ == 0 && pass + 1 == kPassesOfLength);
         for (const WallStone& stone : stones_)
           if (!longest_.holds(stone.stone)) urgency_[stone.stone] += kUrgency;
       }
@@ -103,7 +104,7 @@ class WallSearch {
         next->trial.placement.terms.merge(terms_in_slot(
             *slot, next->placed,
             worth_in_slot(*slot, next->placed, next->trial.margin, context_.options->friction)));
-      state = with(state, *next, placing_.compared_with(planned));
+      state = placing_.loaded(state, *next, placing_.compared_with(planned));
       keep(state);
     }
     return !rest_.empty() && !slot_after(state);
@@ -160,6 +161,10 @@ class WallSearch {
     return next_slot(target_, state, [&] { return common_thickness(stones_, state); });
   }
 
+  [[nodiscard]] bool holds(const WallState& state, Settled& next) {
+    return may_rock_ ? placing_.holds_or_rocks(state, next) : placing_.holds(state, next);
+  }
+
   /// Depth-first, until the wall is complete.
   bool complete(const WallState& state) {
     keep(state);
@@ -169,9 +174,9 @@ class WallSearch {
     std::size_t tried = 0;
     for (std::size_t k = 0; k < list.size(); ++k) {
       if (out_of_tries() || tried == kTriedInSlot) return false;
-      if (!placing_.holds(state, list[k])) continue;
+      if (!holds(state, list[k])) continue;
       ++tried;
-      if (complete(with(state, list[k], compared_in(list, k, refused)))) return true;
+      if (complete(placing_.loaded(state, list[k], compared_in(list, k, refused)))) return true;
       list[k].trial.outcome = "the wall was not finished on it";
     }
     return false;
@@ -183,9 +188,10 @@ class WallSearch {
     while (slot && !out_of_tries()) {
       auto [list, refused] = settled(state, *slot);
       const auto next =
-          std::find_if(list.begin(), list.end(), [&](Settled& one) { return placing_.holds(state, one); });
+          std::find_if(list.begin(), list.end(), [&](Settled& one) { return holds(state, one); });
       if (next != list.end()) {
-        state = with(state, *next, compared_in(list, static_cast<std::size_t>(next - list.begin()), refused));
+        state = placing_.loaded(state, *next,
+                                compared_in(list, static_cast<std::size_t>(next - list.begin()), refused));
         keep(state);
         slot = slot_after(state);
         continue;
@@ -216,6 +222,7 @@ class WallSearch {
   std::map<StoneIndex, double> urgency_;  // a stone that is hard to place is placed early
   int asked_ = 0, budget_ = 0;
   double variation_ = 0.0;
+  bool may_rock_ = false;  // stones, in the last pass of a wall that an arm builds
   Random random_ = Random::stream(0, "wall");
   long candidates_ = 0;
 };
