@@ -94,7 +94,7 @@ class NoisyWall {
   [[nodiscard]] WallOutcome outcome() const {
     WallOutcome outcome;
     if (begun_) outcome.metrics = measure_wall(problem_, target_, *begun_, options_.search);
-    outcome.metrics.asked = std::accumulate(target_.courses.begin(), target_.courses.end(), 0);
+    outcome.metrics.asked = asked();
     outcome.reason = reason_;
     outcome.fallen = fallen_;
     outcome.taken_off = taken_off_;
@@ -102,9 +102,11 @@ class NoisyWall {
   }
 
  private:
+  [[nodiscard]] int asked() const {
+    return std::accumulate(target_.courses.begin(), target_.courses.end(), 0);
+  }
   [[nodiscard]] bool is_whole() const {
-    const int asked = std::accumulate(target_.courses.begin(), target_.courses.end(), 0);
-    return asked > 0 && problem_.stack.stones.size() >= static_cast<std::size_t>(asked);
+    return asked() > 0 && problem_.stack.stones.size() >= static_cast<std::size_t>(asked());
   }
 
   /// Plans upon the stack as it settles in the planner's shapes, or else held where it is, as the loop does.
