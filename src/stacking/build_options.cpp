@@ -43,7 +43,7 @@ FieldList fields(BuildOptions& o) {
                         "stones that may be reoriented because no grasp serves both ends, and pushed because "
                         "no finger gets beside them; the paper: 0")),
              user(field("max_unstacked", o.max_unstacked, {0, 100}, "",
-                        "stones that may be unstacked to try another tower; the paper: 0")),
+                        "stones that may be unstacked to build the tower or wall otherwise; the paper: 0")),
              user(field("pick_attempts", o.pick_attempts, {1, 10}, "",
                         "tries to pick a stone that the gripper misses or drops")),
              user(field("wall", o.wall,

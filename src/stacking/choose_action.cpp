@@ -129,7 +129,7 @@ std::optional<Action> clear_base(const Situation& s, RunMemory& memory) {
     return ClearBase{stray->stone, stray->level,
                      free_places(s.models.shapes, s.world.layout, others, stray->stone)};
   }
-  if (s.models.wall) return std::nullopt;  // nothing is taken off a wall
+  if (s.models.wall) return std::nullopt;  // of a wall only the last stones are unstacked
   if (const auto push = push_off_stack(s, memory, stray->stone)) return *push;
   const std::size_t count = s.arrangement.stack.size() - stray->level;
   const int allowed = s.options.max_unstacked - memory.unstacked;
@@ -179,7 +179,7 @@ void give_up_top(const Situation& s, RunMemory& memory) {
 }
 
 /// Where nothing fits on the stack: as many stones into the field as leave the most to expect, if the search
-/// then finds a higher tower.
+/// then finds a higher tower, or a wall of more stones.
 std::optional<Action> unstack(const Situation& s, RunMemory& memory) {
   throw_if_interrupted();
   if (memory.stack_stays) return std::nullopt;

@@ -122,11 +122,11 @@ struct Words {
     return "nothing is left but grasps that failed before: they are tried again";
   }
   std::string operator()(const StoneLeans& e) const {
-    return name(e.stone) + " leans on the tower: it goes back into the field";
+    return name(e.stone) + " leans on what is built: it goes back into the field";
   }
   std::string operator()(const UnstackChosen& e) const {
-    return concat("nothing fits on ", name(e.top), ": another tower promises ", tenth(e.expected),
-                  " stones in all, so ", e.count,
+    return concat("nothing fits on ", name(e.top), ": built otherwise ", tenth(e.expected),
+                  " stones are expected in all, so ", e.count,
                   e.count == 1 ? " stone is unstacked" : " stones are unstacked");
   }
   std::string operator()(const UnstackToFree& e) const {

@@ -50,7 +50,7 @@ struct BuildOptions {
   /// slippery before a stone is stacked
   bool measure_friction = true;
   bool correct_aim = true;  ///< aim beside the target by how far earlier stones were seen beside theirs
-  int max_unstacked = 6;    ///< stones unstacked to try another tower; the paper never does
+  int max_unstacked = 6;    ///< stones unstacked to build otherwise; the paper never does
   int max_reoriented = 3;   ///< stones reoriented because no grasp served both ends
   int pick_attempts = 3;    ///< of one stone that the gripper misses or drops
   /// Path of the finger tips that plans count on: parallel or three_finger (motion::Linkage).
