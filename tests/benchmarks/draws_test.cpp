@@ -108,5 +108,25 @@ TEST_F(BenchCommand, TheNextStoneIsPlannedOnAsManyAsAreAskedFor) {
   EXPECT_THAT(read_file(folder_ + "/plot.svg", 1U << 20U), HasSubstr("</svg>"));
 }
 
+TEST_F(BenchCommand, WallsAreBuiltBesideTheirPlanAndStonesThatFallAreCounted) {
+  const std::string walls =
+      "walls --draws 2 --generated 4 --scans none --stones 4 --courses 2+1 --friction 0.3 --stand 0.2 ";
+  const Outcome small = run(walls + "--noise 3 --noise-turn 4 --take-off 2 --json");
+  ASSERT_EQ(small.code, 0) << small.err;
+  const json row = rows_of(small.data(), "walls")[0];
+  EXPECT_GT(row["mean_stones"].get<double>(), 1.0);
+  EXPECT_EQ(small.data()["settings"]["noise_mm"], 3.0);
+  EXPECT_EQ(small.data()["settings"]["take_off"], 2);
+  const Outcome again = run(walls + "--noise 3 --noise-turn 4 --take-off 2 --json");
+  EXPECT_EQ(without_times(again.data()).dump(), without_times(small.data()).dump());
+  const json exact = rows_of(run(walls + "--json").data(), "walls")[0];
+  EXPECT_NE(exact["flatness_mm"], row["flatness_mm"]) << "the wall that was planned";
+  // 40 mm are further than a stone may come to rest from its place.
+  const Outcome wild = run(walls + "--noise 40 --noise-turn 20 --json");
+  ASSERT_EQ(wild.code, 0) << wild.err;
+  EXPECT_LT(rows_of(wild.data(), "walls")[0]["whole"].get<int>(), 2);
+  EXPECT_THAT(wild.err, HasSubstr("4 fell"));
+}
+
 }  // namespace
 }  // namespace stonestack::bench
