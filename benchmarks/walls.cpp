@@ -1,5 +1,5 @@
-// Walls of drawn stones, planned with exact placement: how many of the stones that were asked for stand, in
-// this library's engine and in another one, and what the wall is like.
+// Walls of drawn stones, planned with exact placement or built beside their plan: how many of the stones that
+// were asked for stand, in this library's engine and in another one, and what the wall is like.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -9,6 +9,7 @@
 #include "bench.hpp"
 #include "growth.hpp"
 #include "put_down.hpp"
+#include "stacking/choose_in_wall.hpp"
 #include "stacking/settle_stack.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
@@ -21,16 +22,14 @@
 namespace stonestack::bench {
 namespace {
 
-constexpr double kJointOfNoisy = 0.01;  // m between neighbours, as the arm asks for
-constexpr double kSamePlace = 0.012;    // m: a stone that fell there, or was taken off, is not set down again
-constexpr int kMaxFallen = 3;           // stones that fall, until a wall is given up
+constexpr double kSamePlace = 0.012;  // m: a stone that fell there, or was taken off, is not set down again
+constexpr int kMaxFallen = 3;         // stones that fall, until a wall is given up
 
 struct WallBenchOptions : StructureBenchOptions {
-  int take_off = 0;
-
   std::vector<int> courses{4, 3, 2, 1};
   double length = 0.0;
   int levels = 3;
+  int take_off = 0;
   double noise = 0.0, noise_turn = 0.0;  // mm, deg: one sigma along and about each axis
   std::vector<int> growth;               // stones that stand; empty: no growth is measured
   std::string plot;
@@ -60,8 +59,7 @@ WallTarget target_of(const WallBenchOptions& options) {
   } else {
     target.courses = options.courses;
   }
-  if (is_noisy(options)) target.joint_gap = std::max(target.joint_gap, kJointOfNoisy);
-  return target;
+  return is_noisy(options) ? stacking::wall_for_arm(target) : target;
 }
 
 /// A wall that is built stone by stone, beside where each was planned, and planned anew from what stands.

@@ -183,6 +183,8 @@ void give_up_top(const Situation& s, RunMemory& memory) {
 std::optional<Action> unstack(const Situation& s, RunMemory& memory) {
   throw_if_interrupted();
   if (memory.stack_stays) return std::nullopt;
+  if (memory.search->dead_end && memory.search->dead_end->end == RunEnd::kHeightReached)
+    return std::nullopt;  // it is finished
   if (!s.arrangement.stack.empty()) give_up_top(s, memory);
   auto& expected = memory.search->expected_unstacked;
   if (!expected) expected = expected_unstacked(s, memory);

@@ -212,7 +212,7 @@ SearchOutcome search_wall(const Situation& s, const RunMemory& memory) {
 
 double expected_in_wall(const Situation& s, const RunMemory& memory, const SearchProblem& problem,
                         Route route) {
-  if (!memory.wall) return 0.0;
+  if (!memory.wall || s.models.wall->task) return 0.0;
   const std::size_t level = first_friction(possible_frictions(s.world), memory.friction);
   const WallTarget target = with_stones(wall_for_arm(*s.models.wall), stones_present(problem));
   const WallPlan plan = plan_wall(problem, target, options_at(s.options, memory.friction, level, route), {},

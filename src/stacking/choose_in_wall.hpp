@@ -21,7 +21,8 @@ namespace stonestack::stacking {
 [[nodiscard]] SearchOutcome search_wall(const Situation& situation, const RunMemory& memory);
 
 /// Stones that are expected to stand in the end if the wall goes on from what stands in `problem`, a wall
-/// with fewer stones than now; 0 where no more than now are found.
+/// with fewer stones than now; 0 where no more than now are found, and for a task, which more stones do not
+/// serve better.
 [[nodiscard]] double expected_in_wall(const Situation& situation, const RunMemory& memory,
                                       const SearchProblem& problem, Route route);
 

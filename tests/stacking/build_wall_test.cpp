@@ -73,6 +73,12 @@ void expect_second_is_taken_off(const WallRun& run) {
   const auto chosen = all_of<UnstackChosen>(decision.why);
   ASSERT_EQ(chosen.size(), 1U);
   EXPECT_GT(chosen.front().expected, 2.0) << "more stones than stand";
+  State finished = state;
+  finished.memory = decision.memory;
+  finished.memory.unstacking.reset();
+  finished.memory.search->dead_end = Stop{RunEnd::kHeightReached, "the wall stands"};
+  const Decision at_end = choose_action(finished.world, finished.memory, models, finished.options);
+  EXPECT_EQ(name_of(at_end.action), "stop") << "nothing is taken off what is finished";
   state.options.max_unstacked = 0;
   EXPECT_EQ(name_of(decide().action), "stop");
 }

@@ -158,9 +158,8 @@ std::vector<Settled> Placing::settled(const Stack& below, const std::vector<Wall
   return list;
 }
 
-bool Placing::holds(const WallState& state, Settled& next) {
+bool Placing::judge(const Stack& below, Settled& next) {
   ++judged;
-  const Stack below = state.stack();
   next.trial = judged_trial(context_, below, std::move(next.trial));
   if (next.trial.alive && context_.options->perturbations > 0) {
     const Candidate candidate{&below, &next.trial};
@@ -170,13 +169,14 @@ bool Placing::holds(const WallState& state, Settled& next) {
   return next.trial.alive;
 }
 
-bool Placing::holds_or_rocks(const WallState& state, Settled& next) {
+bool Placing::holds(const WallState& state, Settled& next) {
+  const Stack below = state.stack();
   Settled rocking = next;
-  if (holds(state, next)) return true;
-  if (!context_.problem->reachable) return false;
+  if (judge(below, next)) return true;
+  if (!may_rock) return false;
   rocking.trial.may_rock = true;
   next = std::move(rocking);
-  return holds(state, next);
+  return judge(below, next);
 }
 
 WallState Placing::loaded(const WallState& state, const Settled& next,
@@ -208,7 +208,7 @@ std::optional<Settled> Placing::as_planned(const WallState& state, const WallPla
     reason = next.trial.outcome;
     return std::nullopt;
   }
-  if (!holds_or_rocks(state, next)) return std::nullopt;
+  if (!holds(state, next)) return std::nullopt;
   next.placed = standing(context_, {placement.stone, next.trial.placement.T_W_O}, planned.course);
   return next;
 }

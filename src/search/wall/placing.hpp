@@ -32,8 +32,6 @@ class Placing {
                                              int course);
   /// Judges a stone in place, with all that stands, and predicts it; false if it does not hold.
   [[nodiscard]] bool holds(const WallState& state, Settled& next);
-  /// Judges and predicts likewise; where an arm builds, stones may rock if it does not hold without.
-  [[nodiscard]] bool holds_or_rocks(const WallState& state, Settled& next);
   /// The state with one more stone, where the stones have rocked, and what was compared with it.
   [[nodiscard]] WallState loaded(const WallState& state, const Settled& next,
                                  std::vector<Alternative> compared = {}) const;
@@ -47,11 +45,13 @@ class Placing {
   /// Of the last proposals, those that the arm does not bring about, then those that did not come to rest in
   /// balance; at most five.
   std::vector<Alternative> refused;
-  int judged = 0;       ///< stones
-  int unreachable = 0;  ///< proposals that the arm could not bring about
-  std::string reason;   ///< why the last stone was refused
+  bool may_rock = false;  ///< stones, where a place does not hold without
+  int judged = 0;         ///< stones
+  int unreachable = 0;    ///< proposals that the arm could not bring about
+  std::string reason;     ///< why the last stone was refused
 
  private:
+  bool judge(const Stack& below, Settled& next);
   void refuse(Alternative other);
   /// Can the arm bring the stone to that pose, in W, among those stones?
   [[nodiscard]] bool is_reachable(const Placement& placement, const Stack& below) const;

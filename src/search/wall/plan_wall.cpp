@@ -58,10 +58,11 @@ class WallSearch {
     const bool arm = context_.problem->reachable != nullptr;
     const int passes = asked_ == 0 ? kPassesOfLength : (arm ? kPassesWithArm : kPasses);
     try {
+      placing_.may_rock = arm;
       bool done = go_on_as_planned() || rest_only_;
       for (int pass = 0; pass < passes && !done && !context_.out_of_time(); ++pass) {
         variation_ = pass == 0 ? 0.0 : kVariation;
-        may_rock_ = arm && pass + 1 == passes;
+        placing_.may_rock = arm && pass + 1 == passes;
         random_ = Random::stream(static_cast<std::uint64_t>(context_.options->seed), concat("wall ", pass));
         placing_.judged = 0;
         longest_ = {};
@@ -161,10 +162,6 @@ class WallSearch {
     return next_slot(target_, state, [&] { return common_thickness(stones_, state); });
   }
 
-  [[nodiscard]] bool holds(const WallState& state, Settled& next) {
-    return may_rock_ ? placing_.holds_or_rocks(state, next) : placing_.holds(state, next);
-  }
-
   /// Depth-first, until the wall is complete.
   bool complete(const WallState& state) {
     keep(state);
@@ -174,7 +171,7 @@ class WallSearch {
     std::size_t tried = 0;
     for (std::size_t k = 0; k < list.size(); ++k) {
       if (out_of_tries() || tried == kTriedInSlot) return false;
-      if (!holds(state, list[k])) continue;
+      if (!placing_.holds(state, list[k])) continue;
       ++tried;
       if (complete(placing_.loaded(state, list[k], compared_in(list, k, refused)))) return true;
       list[k].trial.outcome = "the wall was not finished on it";
@@ -188,7 +185,7 @@ class WallSearch {
     while (slot && !out_of_tries()) {
       auto [list, refused] = settled(state, *slot);
       const auto next =
-          std::find_if(list.begin(), list.end(), [&](Settled& one) { return holds(state, one); });
+          std::find_if(list.begin(), list.end(), [&](Settled& one) { return placing_.holds(state, one); });
       if (next != list.end()) {
         state = placing_.loaded(state, *next,
                                 compared_in(list, static_cast<std::size_t>(next - list.begin()), refused));
@@ -222,7 +219,6 @@ class WallSearch {
   std::map<StoneIndex, double> urgency_;  // a stone that is hard to place is placed early
   int asked_ = 0, budget_ = 0;
   double variation_ = 0.0;
-  bool may_rock_ = false;  // stones, in the last pass of a wall that an arm builds
   Random random_ = Random::stream(0, "wall");
   long candidates_ = 0;
 };
