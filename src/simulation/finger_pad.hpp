@@ -57,6 +57,10 @@ class PadContact {
   PadLoad press(const MovingFrame& pad, const MovingFrame& stone);
   /// True if the last `press` found the stone in the pad.
   [[nodiscard]] bool touching() const { return touching_; }
+  /// Damping of the whole pad against a stone, N s/m.
+  [[nodiscard]] double damping() const {
+    return options_.length * options_.width * options_.stiffness * options_.damping;
+  }
   /// The bristles that hold the stone, to be restored in another process.
   [[nodiscard]] nlohmann::json kept() const;
   void restore(const nlohmann::json& kept);

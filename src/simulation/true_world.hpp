@@ -142,7 +142,7 @@ class TrueWorld {
   [[nodiscard]] const StoneState& state(StoneIndex stone) const;
   [[nodiscard]] StoneState& state(StoneIndex stone);
   [[nodiscard]] std::vector<bool> stones_in_play(const GripperPose& next) const;
-  [[nodiscard]] bool pads_near();
+  [[nodiscard]] double step_of_pads();
   [[nodiscard]] std::unique_ptr<RigidWorld> make_world(EngineKind engine, double step, int iterations,
                                                        double damping,
                                                        const std::vector<bool>& in_play) const;

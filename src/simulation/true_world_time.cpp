@@ -11,8 +11,11 @@ namespace {
 
 constexpr double kChunk = 0.010;          // s between two searches for near pairs
 constexpr double kGripStep = 1.0 / 2000;  // s while a pad is at a stone: pads are stiff springs
-constexpr double kRolling = 0.3;          // 1/s, angular damping: a rounded stone does not rock for ever
-constexpr double kGripperReach = 0.020;   // m: a stone this near the gripper is in play
+// Pads are integrated explicitly, with their damping: stable as long as the damping of all of them takes less
+// than this share of a stone's speed in a step. Light cartons between stiff pads were shaken by kilonewtons.
+constexpr double kPadShare = 0.7;
+constexpr double kRolling = 0.3;         // 1/s, angular damping: a rounded stone does not rock for ever
+constexpr double kGripperReach = 0.020;  // m: a stone this near the gripper is in play
 constexpr double kStoneReach = 0.005;
 constexpr double kRestShift = 0.00002;    // m
 constexpr double kRestTurn = 0.0002;      // rad
@@ -81,13 +84,17 @@ std::vector<bool> TrueWorld::stones_in_play(const GripperPose& next) const {
   return in_play;
 }
 
-bool TrueWorld::pads_near() {
-  bool any = false;
+// Step in which all the pads of the gripper are stable against the lightest stone that one of them is near.
+double TrueWorld::step_of_pads() {
+  double step = kWorldStep;
   for (const StoneIndex i : present_)
-    for (int f = 0; f < model_.fingers(); ++f)
-      if (state(i).pads[static_cast<std::size_t>(f)].near(pad_pose(model_, f, gripper_pose_), state(i).T_W_O))
-        any = true;
-  return any;
+    for (int f = 0; f < model_.fingers(); ++f) {
+      PadContact& pad = state(i).pads[static_cast<std::size_t>(f)];
+      if (!pad.near(pad_pose(model_, f, gripper_pose_), state(i).T_W_O)) continue;
+      const double all = model_.fingers() * pad.damping();
+      step = std::min({step, kGripStep, kPadShare * at(shapes_, i)->mass.mass / all});
+    }
+  return step;
 }
 
 void TrueWorld::press_pads(const GripperPose& next, double step) {
@@ -288,7 +295,7 @@ Progress TrueWorld::advance(double seconds, const GripperPath& path) {
       weight += chunk;
       for (const StoneIndex i : present_) state(i).rest += chunk;
     } else {
-      prepare_engine(in_play, pads_near() ? kGripStep : kWorldStep);
+      prepare_engine(in_play, step_of_pads());
       for (debt_ += chunk; debt_ >= 0.5 * engine_->step;) {
         debt_ -= engine_->step;
         step_engine(path(std::clamp(end - debt_, 0.0, seconds)));

@@ -244,6 +244,7 @@ std::optional<JointTrajectory> route_from_field(Cell& cell, const PlanningScene&
   constexpr double kClear = 0.01;  // m, more than the layout is corrected by
   PlanningScene unknown = scene;
   unknown.objects.push_back(unseen_field(cell.layout));
+  unknown.objects.push_back(unseen_site(cell.layout));
   const CollisionChecker at_start(unknown);
   for (const Pose& T_W_C : view_poses(cell.layout, p_W_field, kLeavingDistance)) {
     auto route = plan_route_to_view(cell, scene, {T_W_C}, options.motion);
@@ -254,7 +255,6 @@ std::optional<JointTrajectory> route_from_field(Cell& cell, const PlanningScene&
 
 void leave_field(Cell& cell, PlanningScene scene, const Eigen::Vector3d& p_W_field,
                  const ModelFieldOptions& options) {
-  scene.objects.push_back(unseen_site(cell.layout));
   scene.opening = present_opening(cell, scene.gripper);
   const auto route = route_from_field(cell, scene, p_W_field, options);
   if (!route) {
@@ -265,6 +265,13 @@ void leave_field(Cell& cell, PlanningScene scene, const Eigen::Vector3d& p_W_fie
   if (moved.status != MotionResult::Status::kDone)
     throw DeviceError("arm", "stopped on its way from the field: " + moved.reason,
                       "clear the cell and start again");
+}
+
+/// True if views show that nothing stands at the site.
+bool site_is_free(const AlignedScene& scene, const CellLayout& layout) {
+  Views views;
+  for (const DepthView& view : scene.views) views.push_back({view.image, view.T_W_C});
+  return site_in(views, layout.site) == SiteStatus::kFree;
 }
 
 /// Is more of it to be found out?
@@ -279,18 +286,22 @@ void see_other_sides(Cell& here, const RobotModel& robot, std::deque<AlignedScen
                      const Eigen::Vector3d& p_W_field, const ModelFieldOptions& options, Journal* journal,
                      std::vector<StoneCandidate>& candidates, ModelledField& field) {
   const std::vector<Obstacle> others = obstacles_of(scenes.front(), candidates);
+  const bool site_free = site_is_free(scenes.front(), here.layout);
+  const auto scene_now = [&] {
+    PlanningScene scene = scene_with(here.layout, robot, candidates, others);
+    if (!site_free) scene.objects.push_back(unseen_site(here.layout));
+    return scene;
+  };
   for (int turn = 0; turn < options.turns && options.turned_views > 0; ++turn) {
     bool turned = false;
     for (std::size_t k = 0; k < candidates.size(); ++k) {
       candidates[k].let_go = false;
       if (!is_worth_turning(candidates[k])) continue;
-      turn_stone(here, scene_with(here.layout, robot, candidates, others), candidates, k, others, options,
-                 journal);
+      turn_stone(here, scene_now(), candidates, k, others, options, journal);
       turned |= candidates[k].moved;
     }
     if (!turned) break;
-    PlanningScene scene = scene_with(here.layout, robot, candidates, others);
-    scene.objects.push_back(unseen_site(here.layout));
+    PlanningScene scene = scene_now();
     scene.opening = present_opening(here, scene.gripper);
     (void)back_away(here, scene, options.motion, [&] { record(journal, StepBegun{"back away"}); });
     const auto taken = survey(here, scene, unseen_surface(candidates), p_W_field, options.turned_views,
@@ -300,7 +311,7 @@ void see_other_sides(Cell& here, const RobotModel& robot, std::deque<AlignedScen
     model_again(scenes.back(), here.layout, options, candidates);
   }
   record(journal, StepBegun{"leave the field"});
-  leave_field(here, scene_with(here.layout, robot, candidates, others), p_W_field, options);
+  leave_field(here, scene_now(), p_W_field, options);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/constants.hpp"
+#include "motion/collision.hpp"
 #include "stacking/record.hpp"
 #include "stonestack/core/error.hpp"
 
@@ -47,6 +48,16 @@ std::vector<Pose> cameras_at(const Eigen::Vector3d& p_W_target, const Eigen::Vec
   for (const double roll : kRolls)
     poses.push_back(camera_looking_at(p_W_target + distance * n_W, p_W_target, roll * kDegree));
   return poses;
+}
+
+/// What an arm that cannot leave where it stands touches by what is known; empty if it touches nothing.
+std::string in_the_way(const Cell& cell, const PlanningScene& scene, const MotionOptions& options) {
+  CollisionRules rules;
+  rules.opening = scene.opening;
+  const Clearance nearest = CollisionChecker(scene, rules).clearance(cell.arm.state().q);
+  if (nearest.distance >= options.transit_padding) return "";
+  return concat(": where the arm stands, ", nearest.first, " and ", nearest.second, " are ",
+                std::round(1e4 * nearest.distance) / 10, " mm apart");
 }
 
 }  // namespace
@@ -107,7 +118,7 @@ std::vector<SurveyView> survey(Cell& cell, const PlanningScene& scene,
   std::vector<SurveyView> views =
       survey_if_reached(cell, scene, wanted, p_W_target, count, distance, options, journal);
   if (views.empty())
-    throw DeviceError("arm", "no view of the field can be reached",
+    throw DeviceError("arm", "no view of the field can be reached" + in_the_way(cell, scene, options),
                       "check the cell's layout: field, robot base and camera mount");
   return views;
 }

@@ -17,9 +17,9 @@ struct Bench {
   SimulatedGripper gripper;
 
   explicit Bench(double mass, const SimulationOptions& simulation = {})
-      : options(simulation),
-        world({make_pebble("pebble", mass)}, {0_stone}, make_robotiq_3f(), options),
-        gripper(world, nowhere) {
+      : Bench(make_pebble("pebble", mass), simulation) {}
+  explicit Bench(const Stone& stone, const SimulationOptions& simulation)
+      : options(simulation), world({stone}, {0_stone}, make_robotiq_3f(), options), gripper(world, nowhere) {
     Pose T_W_O = Pose::Identity();
     double lowest = 0;
     for (const auto& p : world.shapes()[0]->scan.vertices) lowest = std::min(lowest, p.z());
@@ -91,6 +91,26 @@ TEST(Grasp, FingersBAndCDrawTogetherAndStillHold) {
   ASSERT_EQ(bench.world.wait(5.0).stopped, "");
   EXPECT_GT(bench.world.centre_of_mass(0_stone).z(), 0.2) << "it hangs in the gripper";
   EXPECT_THROW(bench.gripper.spread(0.02), InvalidArgument);
+}
+
+/// A carton that lies flat in all three pads: the stiffest grip of the lightest thing.
+TEST(Grasp, LightCartonsAreHeldQuietlyByStiffPads) {
+  SimulationOptions options;
+  options.pad_stiffness = 3e8;  // N/m^3: twice the usual, as in the cell `lab` at most
+  options.pad_stiffness_spread = 1.0;
+  Stone carton;
+  carton.name = "carton";
+  carton.scan = carton.mesh = make_box({0.05, 0.08, 0.08});
+  carton.density = 300.0;
+  carton.mass = mass_properties(carton.scan, carton.density);
+  Bench bench(carton, options);
+  ASSERT_TRUE(bench.grip().object);
+  ASSERT_EQ(bench.carry(tool_down({0, 0, 0.25}), 1.5).stopped, "");
+  for (int k = 0; k < 100; ++k) {
+    ASSERT_EQ(bench.world.wait(0.01).stopped, "");
+    ASSERT_NEAR(bench.world.finger_force()[0], 60.0, 15.0) << "N of a grip at rest, " << k;
+  }
+  EXPECT_NEAR(bench.world.load().force.z(), -9.81 * bench.world.shapes()[0]->mass.mass, 0.3);
 }
 
 TEST(Grasp, SlipsWhenTheForceIsTooSmallForTheWeight) {

@@ -7,8 +7,10 @@
 #include "core/quantile.hpp"
 #include "geometry/convex_pieces.hpp"
 #include "geometry/surface_tree.hpp"
+#include "motion/collision.hpp"
 #include "motion/regrasp.hpp"
 #include "rooms.hpp"
+#include "stacking/arrangement.hpp"
 #include "stacking/survey.hpp"
 #include "stacking/turn_stone.hpp"
 #include "stonestack/core/error.hpp"
@@ -242,6 +244,64 @@ TEST(ModelField, AStoneThatNoGraspTurnsIsWeighed) {
   EXPECT_NEAR(*field.stones[0].mass / low.mass.mass, 1.0, 0.05);
   ASSERT_TRUE(field.stones[0].T_W_O.has_value());
   EXPECT_LT((field.stones[0].T_W_O->translation() - world.truth().T_W_O[0].translation()).norm(), 0.01);
+}
+
+/// Notes how near a motion comes to the site.
+class WatchedArm : public Arm {
+ public:
+  WatchedArm(Arm& arm, const PlanningScene& with_site) : arm_(arm), checker_(with_site) {}
+
+  [[nodiscard]] ArmState state() override { return arm_.state(); }
+  [[nodiscard]] MotionResult follow(const JointTrajectory& trajectory) override {
+    watch(trajectory);
+    return arm_.follow(trajectory);
+  }
+  [[nodiscard]] MotionResult follow_guarded(const GuardedMotion& motion) override {
+    watch(motion.trajectory);
+    return arm_.follow_guarded(motion);
+  }
+  void stop() override { arm_.stop(); }
+  void set_payload(double mass, const Eigen::Vector3d& p_F_com) override { arm_.set_payload(mass, p_F_com); }
+
+  [[nodiscard]] int entered() const { return entered_; }
+  [[nodiscard]] int motions() const { return motions_; }
+
+ private:
+  void watch(const JointTrajectory& trajectory) {
+    ++motions_;
+    entered_ += std::any_of(trajectory.q.begin(), trajectory.q.end(), [&](const Joints& q) {
+      return checker_.clearance(q).distance < -0.005;  // m
+    });
+  }
+
+  Arm& arm_;
+  CollisionChecker checker_;
+  int motions_ = 0, entered_ = 0;
+};
+
+/// The views show the field alone, and stones near the site are turned and seen from above.
+TEST(ModelField, NothingEntersTheSiteAsLongAsNobodyHasSeenIt) {
+  const Catalogue catalogue = read_catalogue(data_path("stones"));
+  const RobotModel robot = read_robot("ur10");
+  CellLayout layout;
+  layout.site = {0.70, 0.24};
+  SimulatedCell world(catalogue.stones, {1_stone}, robot, layout, options_of_cell("ideal"));
+  Pose T_W_O = world.truth().T_W_O[1];
+  T_W_O.translation().head<2>() = Eigen::Vector2d(0.72, 0.03);
+  world.place(1_stone, T_W_O);
+  Cell real = world.cell();
+  PlanningScene site = make_planning_scene(real.layout, robot, {}, {});
+  site.table_z = -1.0;
+  site.objects = {unseen_site(real.layout)};
+  WatchedArm arm(real.arm, site);
+  Cell cell{arm, real.gripper, real.force_torque, real.camera, real.clock, real.layout};
+  ModelFieldOptions options;
+  options.first_views = 3;
+  const ModelledField field = model_field(cell, robot, options);
+  EXPECT_EQ(field.stopped, "");
+  EXPECT_EQ(field.stones.size(), 1U);
+  EXPECT_GT(arm.motions(), 10);
+  EXPECT_EQ(arm.entered(), 0);
 }
 
 TEST(ModelField, ThingsTooLightForStoneAreNone) {
