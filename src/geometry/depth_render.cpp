@@ -3,6 +3,8 @@
 #include <embree3/rtcore.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -134,6 +136,31 @@ bool RayScene::is_blocked(const Eigen::Vector3d& p_W_from, const Eigen::Vector3d
   rtcInitIntersectContext(&context);
   rtcOccluded1(scene_->scene, &context, &ray);
   return ray.tfar < 0.0F;  // Embree's sign for a hit
+}
+
+int RayScene::count_blocked(const Eigen::Vector3d& p_W_from, std::span<const Eigen::Vector3d> directions_W,
+                            double farthest) const {
+  require(scene_->committed, "commit a ray scene before casting rays");
+  constexpr std::size_t kTogether = 8;
+  int blocked = 0;
+  for (std::size_t first = 0; first < directions_W.size(); first += kTogether) {
+    const std::size_t count = std::min(kTogether, directions_W.size() - first);
+    alignas(32) RTCRay8 rays{};
+    alignas(32) std::array<int, kTogether> valid{};
+    for (std::size_t k = 0; k < count; ++k) {
+      const Eigen::Vector3f from = p_W_from.cast<float>(), to = directions_W[first + k].cast<float>();
+      rays.org_x[k] = from.x(), rays.org_y[k] = from.y(), rays.org_z[k] = from.z();
+      rays.dir_x[k] = to.x(), rays.dir_y[k] = to.y(), rays.dir_z[k] = to.z();
+      rays.tfar[k] = static_cast<float>(farthest);
+      rays.mask[k] = ~0U;
+      valid[k] = -1;  // Embree's word for a ray that is asked
+    }
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcOccluded8(valid.data(), scene_->scene, &context, &rays);
+    for (std::size_t k = 0; k < count; ++k) blocked += rays.tfar[k] < 0.0F ? 1 : 0;
+  }
+  return blocked;
 }
 
 RenderedView render(const RayScene& scene, const CameraIntrinsics& camera, const Pose& T_W_C) {

@@ -33,6 +33,10 @@ class RayScene {
   /// unit.
   [[nodiscard]] bool is_blocked(const Eigen::Vector3d& p_W_from, const Eigen::Vector3d& direction_W,
                                 double farthest) const;
+  /// How many rays from a point hit something within `farthest` metres: eight together, which is cheaper.
+  /// `directions_W` are unit.
+  [[nodiscard]] int count_blocked(const Eigen::Vector3d& p_W_from,
+                                  std::span<const Eigen::Vector3d> directions_W, double farthest) const;
 
  private:
   struct Scene;

@@ -66,10 +66,8 @@ struct Painter {
       if (lines || item.solid) rays.add(item.mesh, item.T_W_A);
     rays.commit();
   }
-  [[nodiscard]] bool is_blocked(const Eigen::Vector3d& point, const Eigen::Vector3d& ray,
-                                double reach) const {
-    return (solids ? *solids : scene).is_blocked(point, ray, reach);
-  }
+  /// Meshes that cast shadows.
+  [[nodiscard]] const RayScene& shading() const { return solids ? *solids : scene; }
 
   [[nodiscard]] Eigen::Vector3d colour(const Eigen::Vector3d& eye, const Eigen::Vector3d& ray, int sample,
                                        double turn) const {
@@ -79,7 +77,7 @@ struct Painter {
     const Eigen::Vector3d point = eye + hit.distance * ray + kShadowBias * normal;
     const Eigen::Vector3d base = hit.instance == 0 ? kTableColour : colour_of(hit);
     const double facing = std::max(0.0, normal.dot(kSun));
-    const double sun = facing > 0 && !is_blocked(point, kSun, kSunReach) ? facing : 0.0;
+    const double sun = facing > 0 && !shading().is_blocked(point, kSun, kSunReach) ? facing : 0.0;
     const Eigen::Vector3d light =
         0.62 * sun * Eigen::Vector3d(1.0, 0.96, 0.88) + 0.52 * openness(point, normal, sample, turn) * kSky;
     return base.cwiseProduct(light);
@@ -98,10 +96,11 @@ struct Painter {
                                 double turn) const {
     const Eigen::Quaterniond tilt = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), normal);
     const Eigen::Quaterniond about(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()));
-    int open = 0;
-    for (int i = sample; i < kSkyRays; i += kSamples)
-      if (!is_blocked(point, tilt * (about * sky[static_cast<std::size_t>(i)]), kSkyReach)) ++open;
-    return static_cast<double>(open) * kSamples / kSkyRays;
+    std::array<Eigen::Vector3d, kSkyRays / kSamples> directions;
+    for (std::size_t k = 0; k < directions.size(); ++k)
+      directions[k] = tilt * (about * sky[static_cast<std::size_t>(sample) + k * kSamples]);
+    return 1.0 - static_cast<double>(shading().count_blocked(point, directions, kSkyReach)) /
+                     static_cast<double>(directions.size());
   }
 };
 

@@ -50,7 +50,7 @@ std::vector<Pose> cameras_at(const Eigen::Vector3d& p_W_target, const Eigen::Vec
   return poses;
 }
 
-/// What an arm that cannot leave where it stands touches by what is known; empty if it touches nothing.
+/// Names the parts of arm and scene that touch where the arm stands; empty if none do.
 std::string in_the_way(const Cell& cell, const PlanningScene& scene, const MotionOptions& options) {
   CollisionRules rules;
   rules.opening = scene.opening;

@@ -118,6 +118,27 @@ TEST(RayScene, IsBlockedWhereARayHitsNearEnough) {
   EXPECT_LT(blocked, 1800);
 }
 
+TEST(RayScene, ManyRaysFromAPointAreBlockedAsEachIs) {
+  RayScene scene;
+  scene.add(make_rough_stone(4), make_pose({0.02, -0.01, 0.05}));
+  scene.commit();
+  Random random = Random::stream(5, "rays");
+  int all = 0;
+  for (int k = 0; k < 200; ++k) {
+    const Eigen::Vector3d from = Eigen::Vector3d(0.02, -0.01, 0.05) + 0.2 * random.unit_vector();
+    std::vector<Eigen::Vector3d> directions(static_cast<std::size_t>(k % 20));  // whole packets and parts
+    int blocked = 0;
+    for (Eigen::Vector3d& direction : directions) {
+      direction = (Eigen::Vector3d(0.02, -0.01, 0.05) - from + 0.1 * random.unit_vector()).normalized();
+      blocked += scene.is_blocked(from, direction, 0.3) ? 1 : 0;
+    }
+    EXPECT_EQ(scene.count_blocked(from, directions, 0.3), blocked) << directions.size() << " rays";
+    all += blocked;
+  }
+  EXPECT_GT(all, 200);
+  EXPECT_LT(all, 1700);
+}
+
 TEST(Render, IsTheSameForOneAndForTwoThreads) {
   RayScene scene;
   scene.add(make_rough_stone(2), make_pose({0, 0, 0.05}));
