@@ -56,7 +56,8 @@ KnownStones known_stones(const std::vector<Stone>& stones, const DetectionBench&
   KnownStones known{SceneMaker(stones), {}, {}};
   if (settings.attitudes == 0)
     return {std::move(known.maker), stones, std::vector<Pose>(stones.size(), Pose::Identity())};
-  for (auto& one : stones_from_views(known.maker, settings.attitudes, settings.common.seed)) {
+  for (auto& one : stones_from_views(known.maker, {.attitudes = {settings.attitudes}},
+                                     static_cast<std::uint64_t>(settings.common.seed))) {
     known.models.push_back(std::move(one.stone));
     known.T_scan_O.push_back(one.T_scan_O);
   }

@@ -199,8 +199,8 @@ BenchScene SceneMaker::make(const SceneKind& kind, std::uint64_t seed, const Cam
   return scene;
 }
 
-BenchScene SceneMaker::views_around(StoneIndex stone, int views, std::uint64_t seed,
-                                    const CameraError& error) const {
+BenchScene SceneMaker::views_around(StoneIndex stone, int views, std::uint64_t seed, const CameraError& error,
+                                    double camera_tilt) const {
   Random random = Random::stream(seed, "bench views of " + at(stones_, stone).name);
   const Eigen::Quaterniond R = rest(stone, random);
   const Pose T_W_O = make_pose({0, 0, -lowest(at(stones_, stone), R)}, R);
@@ -212,7 +212,7 @@ BenchScene SceneMaker::views_around(StoneIndex stone, int views, std::uint64_t s
   const double start = random.uniform(0, 2 * kPi);
   BenchScene scene;
   for (int v = 0; v < views; ++v) {
-    const Pose T_W_C = camera_pose(random.uniform(0.3, 0.8), start + 2 * kPi * v / views, random);
+    const Pose T_W_C = camera_pose(random.uniform(0.3, camera_tilt), start + 2 * kPi * v / views, random);
     const DepthImage image = add_noise(render(world, sensor.camera, T_W_C), T_W_C, sensor, random);
     scene.views.push_back({image, v == 0 ? T_W_C : reported(T_W_C, error, random)});
     if (v == 0) scene.truth.push_back({stone, T_W_C.inverse() * T_W_O, 1.0});

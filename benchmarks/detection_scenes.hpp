@@ -61,9 +61,10 @@ class SceneMaker {
   explicit SceneMaker(const std::vector<Stone>& stones);
   [[nodiscard]] BenchScene make(const SceneKind& kind, std::uint64_t seed,
                                 const CameraError& error = {}) const;
-  /// Views of one stone at rest in a drawn attitude, evenly around it; the pose of the first is exact.
+  /// Views of one stone at rest in a drawn attitude, evenly around it, up to `camera_tilt` (rad) off the
+  /// vertical; the pose of the first is exact.
   [[nodiscard]] BenchScene views_around(StoneIndex stone, int views, std::uint64_t seed,
-                                        const CameraError& error = {}) const;
+                                        const CameraError& error = {}, double camera_tilt = 0.8) const;
   /// Stones that the scenes are made of.
   [[nodiscard]] const std::vector<Stone>& stones() const { return stones_; }
 

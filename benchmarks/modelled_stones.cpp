@@ -6,6 +6,8 @@
 #include <optional>
 
 #include "core/constants.hpp"
+#include "core/quantile.hpp"
+#include "geometry/surface_tree.hpp"
 #include "stacking/model_again.hpp"
 #include "stacking/turn_stone.hpp"
 #include "stonestack/core/error.hpp"
@@ -15,7 +17,6 @@
 namespace stonestack::bench {
 namespace {
 
-constexpr int kViewsOfAttitude = 4;  // as `run --unseen` takes
 constexpr int kAttitudesTried = 10;  // until one is parted from the table as one object
 
 /// Attitudes of one stone so far, and the model made of them.
@@ -38,6 +39,11 @@ std::optional<Pose> place_of_scan(const Stone& scan, modelling::LyingObject lyin
   return found ? std::optional(found->T_W_O) : std::nullopt;
 }
 
+/// Angle between the upward directions of two attitudes [rad].
+double tilt_between(const Eigen::Matrix3d& R_W_a, const Eigen::Matrix3d& R_W_b) {
+  return std::acos(std::clamp(R_W_a.row(2).dot(R_W_b.row(2)), -1.0, 1.0));
+}
+
 /// Logs how far from its place an attitude was joined, by where the scan lies in its views and in the first
 /// ones.
 void log_joint(const Stone& scan, const modelling::LyingObject& first, const modelling::LyingObject& joined,
@@ -47,20 +53,20 @@ void log_joint(const Stone& scan, const modelling::LyingObject& first, const mod
   if (!in_first || !in_joined) return;
   const Pose off = in_joined->inverse() * joined.T_W_O * first.T_W_O.inverse() * *in_first;
   const Eigen::Vector3d shift = off * scan.mass.p_O_M - scan.mass.p_O_M;
-  const auto up = [](const Pose& T) -> Eigen::Vector3d {
-    return T.linear().transpose() * Eigen::Vector3d::UnitZ();
-  };
-  const double tilt = std::acos(std::clamp(up(first.T_W_O).dot(up(T_W_O)), -1.0, 1.0));
-  log_info(concat(scan.name, ": an attitude ", std::lround(tilt / kDegree), " deg away is joined ",
-                  1e3 * shift.norm(), " mm and ", Eigen::AngleAxisd(off.linear()).angle() / kDegree,
-                  " deg off its place"));
+  log_info(concat(scan.name, ": an attitude ",
+                  std::lround(tilt_between(first.T_W_O.linear(), T_W_O.linear()) / kDegree),
+                  " deg away is joined ", 1e3 * shift.norm(), " mm and ",
+                  Eigen::AngleAxisd(off.linear()).angle() / kDegree, " deg off its place"));
 }
 
 /// Adds one more attitude; false where it shows no object that is the stone, or none that can be joined.
-bool add_attitude(const BenchScene& drawn, const Stone& scan, Growing& growing) {
+bool add_attitude(const BenchScene& drawn, const Stone& scan, double min_tilt, Growing& growing) {
+  const Pose T_W_O = drawn.views.front().T_W_C * drawn.truth.front().T_C_O;
+  if (!growing.made_of.empty() &&
+      tilt_between(growing.made_of.front().T_W_O.linear(), T_W_O.linear()) < min_tilt)
+    return false;
   auto scene = std::make_unique<modelling::AlignedScene>(modelling::align_scene(drawn.views));
   if (scene->segmentation.objects.size() != 1) return false;
-  const Pose T_W_O = drawn.views.front().T_W_C * drawn.truth.front().T_C_O;
   modelling::LyingObject lying{scene.get(), 0, T_W_O};
   if (!growing.made_of.empty()) {
     const auto found = modelling::find_turned(growing.model, growing.made_of, lying);
@@ -78,28 +84,47 @@ bool add_attitude(const BenchScene& drawn, const Stone& scan, Growing& growing) 
   return true;
 }
 
+/// Distances of a model's surface from the scan, as text.
+std::string errors_of(const Stone& model, const Mesh& scan) {
+  const SurfaceTree truth(scan);
+  const Pose T_scan_O = model.T_O_file.inverse();
+  std::vector<double> seen, all;
+  for (std::size_t v = 0; v < model.scan.vertices.size(); ++v) {
+    all.push_back(1e3 * std::abs(truth.nearest(T_scan_O * model.scan.vertices[v]).distance));
+    if (model.surface && model.surface->seen[v] != 0) seen.push_back(all.back());
+  }
+  if (seen.empty()) return "none of it as it was seen";
+  return concat("that is ", core::quantile(seen, 0.5), " mm off the scan in the median, all of it ",
+                core::quantile(all, 0.95), " mm at 95 %");
+}
+
 }  // namespace
 
-std::vector<StoneFromViews> stones_from_views(const SceneMaker& maker, int attitudes, std::uint64_t seed) {
+std::vector<StoneFromViews> stones_from_views(const SceneMaker& maker, const AttitudesSeen& seen,
+                                              std::uint64_t seed) {
+  require(!seen.attitudes.empty(), "stones are modelled from one attitude or more");
   std::vector<StoneFromViews> made;
   for (const StoneIndex stone : first_stones(maker.stones().size())) {
     throw_if_interrupted();
     const std::string& name = at(maker.stones(), stone).name;
     Growing growing;
-    for (int k = 0, joined = 0; k < kAttitudesTried && joined < attitudes; ++k)
-      joined += add_attitude(
-                    maker.views_around(stone, kViewsOfAttitude, seed * 100 + static_cast<std::uint64_t>(k)),
-                    at(maker.stones(), stone), growing)
+    const int wanted = seen.attitudes[made.size() % seen.attitudes.size()];
+    for (int k = 0, joined = 0; k < kAttitudesTried && joined < wanted; ++k)
+      joined += add_attitude(maker.views_around(stone, seen.views, seed * 100 + static_cast<std::uint64_t>(k),
+                                                {}, seen.camera_tilt),
+                             at(maker.stones(), stone), seen.min_tilt, growing)
                     ? 1
                     : 0;
     require(!growing.made_of.empty(), "stone ", name, " is not parted from the table in ", kAttitudesTried,
             " attitudes");
     stacking::ModelledStone says;
     says.name = name;
+    says.mass = at(maker.stones(), stone).mass.mass;
     const Stone from_views = stacking::stone_of_model(growing.model, says, {}, growing.up_at_rest);
     log_info(concat(name, ": modelled from ", growing.made_of.size(), " attitudes, ",
-                    100.0 * growing.model.seen_share, " % of its surface seen"));
-    made.push_back({from_views, from_views.T_O_file.inverse()});
+                    std::lround(100.0 * growing.model.seen_share), " % of its surface seen, ",
+                    errors_of(from_views, at(maker.stones(), stone).scan)));
+    made.push_back({from_views, from_views.T_O_file.inverse(), growing.made_of.front().T_W_O.linear()});
   }
   return made;
 }

@@ -1,12 +1,15 @@
 // How high does the search build, at what cost? Draws sets of stones, plans a tower with the default search
 // and with the paper's at the same CPU time, and lets every tower stand 60 simulated seconds on the same
 // contact features than the search used. With placement noise every stone is put down beside its target, and
-// the rest of the tower is planned anew from what stands.
+// the rest of the tower is planned anew from what stands. With --attitudes the stones are known by models
+// that were made of views, and put down as they truly are.
 #include <memory>
 
 #include "bench.hpp"
+#include "modelled_stones.hpp"
 #include "ode_witness.hpp"
 #include "put_down.hpp"
+#include "search/search_context.hpp"
 #include "search_row.hpp"
 #include "settings.hpp"
 #include "stone_draws.hpp"
@@ -17,11 +20,17 @@
 namespace stonestack::bench {
 namespace {
 
+// As `run --unseen` looks at stones.
+constexpr int kViews = 6;
+constexpr double kLowestView = 1.05;  // rad off the vertical
+constexpr double kOtherSide = 1.0;    // rad, between attitudes that show two sides of a stone
+
 struct SearchBenchOptions {
   int draws = 10, stones = 4, seed = 1;
   bool paper = true;
   Judges judges;
   double noise = 0.0, noise_turn = 0.0;  // mm, deg: one sigma along and about each axis
+  std::vector<int> attitudes;            // that stones are modelled from; empty: the scans are known
   PoolOptions pools;
   SearchOptions search = search_without_robot();
   Settings settings;
@@ -54,28 +63,73 @@ struct BuiltTower {
   std::string reason;
 };
 
+/// Stones as the planner knows them, in the order of the pool.
+struct KnownStones {
+  ShapeList shapes;
+  std::vector<ShapeList> possible;
+  std::vector<Pose> T_scan_O;             ///< frames of the models in those of the scans
+  std::vector<Eigen::Matrix3d> R_W_scan;  ///< attitudes in which they lie
+};
+
+std::optional<KnownStones> known_stones(const SearchBenchOptions& options, const StonePool& pool) {
+  if (options.attitudes.empty()) return std::nullopt;
+  std::vector<Stone> seen = pool.stones;
+  for (Stone& stone : seen) stone.mesh = stone.scan;
+  const SceneMaker maker(seen);
+  std::vector<Stone> models;
+  KnownStones known;
+  for (StoneFromViews& one : stones_from_views(maker, {options.attitudes, kViews, kLowestView, kOtherSide},
+                                               static_cast<std::uint64_t>(options.seed))) {
+    known.R_W_scan.push_back(one.R_W_scan);
+    models.push_back(std::move(one.stone));
+    known.T_scan_O.push_back(one.T_scan_O);
+  }
+  known.shapes = make_contact_shapes(models);
+  known.possible = make_possible_shapes(models);
+  return known;
+}
+
+/// The problem as it looks to who knows the models. What stands though by the models it cannot is held.
+SearchProblem as_known(const KnownStones& known, const SearchProblem& truth, const SearchOptions& search) {
+  SearchProblem problem = truth;
+  problem.shapes = &known.shapes;
+  problem.possible_shapes = &known.possible;
+  for (auto* list : {&problem.stack.stones, &problem.available})
+    for (PlacedStone& stone : *list) stone.T_W_O = stone.T_W_O * at(known.T_scan_O, stone.stone);
+  if (!problem.stack.stones.empty() && !search::settled_stack(known.shapes, problem.stack, search).stack)
+    problem.held = static_cast<int>(problem.stack.stones.size());
+  return problem;
+}
+
 Stack stack_of(const std::vector<Placement>& placements) {
   Stack stack;
   for (const Placement& placement : placements) stack.stones.push_back({placement.stone, placement.T_W_O});
   return stack;
 }
 
-/// Builds with noisy placements: plans, puts down, plans anew. The first stone that falls ends it.
-BuiltTower build_noisily(const SearchBenchOptions& options, SearchProblem problem,
-                         const SearchOptions& search, int k) {
+/// Plans, puts down beside the plan, and plans anew. The first stone that falls ends it.
+/// @param known the stones as they are planned with; null: as they are
+BuiltTower build_step_by_step(const SearchBenchOptions& options, SearchProblem problem,
+                              const SearchOptions& search, const KnownStones* known, int k) {
   Random random = Random::stream(static_cast<std::uint64_t>(options.seed), concat("placement noise ", k));
   PlacementNoise noise;
   noise.shift = 1e-3 * options.noise;
   noise.turn = options.noise_turn * M_PI / 180.0;
   noise.friction = options.search.friction;
+  if (known != nullptr)
+    for (PlacedStone& stone : problem.available) stone.T_W_O.linear() = at(known->R_W_scan, stone.stone);
   std::string reason;
   while (!problem.available.empty()) {
-    const SearchResult found = find_next_pose(problem, search);
+    const SearchResult found =
+        find_next_pose(known != nullptr ? as_known(*known, problem, search) : problem, search);
     reason = found.reason;
     if (found.best.empty()) break;
-    const Placement& target = found.best.front();
-    const auto higher = put_down(*problem.shapes, problem.stack, target, noise, random);
-    if (!higher) {
+    Placement target = found.best.front();
+    if (known != nullptr) target.T_W_O = target.T_W_O * at(known->T_scan_O, target.stone).inverse();
+    // What is known in part comes to rest beside its plan, and is measured there.
+    const auto set_down = known != nullptr ? set_down_in_wall : put_down;
+    const auto higher = set_down(*problem.shapes, problem.stack, target, noise, random);
+    if (!higher || higher->stones.size() == problem.stack.stones.size()) {
       reason = concat("stone ", problem.stack.stones.size() + 1, " fell, predicted success ",
                       target.predicted_success);
       break;
@@ -87,17 +141,19 @@ BuiltTower build_noisily(const SearchBenchOptions& options, SearchProblem proble
 }
 
 BuiltTower build(const SearchBenchOptions& options, const SearchProblem& problem, const SearchOptions& search,
-                 int k) {
-  if (options.noise > 0.0 || options.noise_turn > 0.0) return build_noisily(options, problem, search, k);
+                 const KnownStones* known, int k) {
+  if (options.noise > 0.0 || options.noise_turn > 0.0 || known != nullptr)
+    return build_step_by_step(options, problem, search, known, k);
   const TowerPlan planned = plan_tower(problem, options.stones, search);
   return {stack_of(planned.placements), planned.reason};
 }
 
-SearchOutcome run_default(const SearchBenchOptions& options, const StonePool& pool, int k) {
+SearchOutcome run_default(const SearchBenchOptions& options, const StonePool& pool, const KnownStones* known,
+                          int k) {
   const SearchProblem problem = draw_problem(pool, options.seed, k, options.stones);
   const double start = processor_seconds();
   const Stopwatch watch;
-  const auto [tower, reason] = build(options, problem, options.search, k);
+  const auto [tower, reason] = build(options, problem, options.search, known, k);
   const double cpu = processor_seconds() - start, wall = watch.seconds();
   SearchOutcome outcome = witness(options, pool, tower);
   outcome.cpu = cpu;
@@ -120,7 +176,7 @@ SearchOutcome run_paper(const SearchBenchOptions& options, const StonePool& pool
   int once_planned = 0;
   for (int pass = 0; pass == 0 || (!noisy && processor_seconds() - start < cpu); ++pass) {
     search.seed = options.search.seed + 1000 * pass;
-    const Stack tower = build(options, problem, search, k).stack;
+    const Stack tower = build(options, problem, search, nullptr, k).stack;
     if (pass == 0) {
       once = watch.seconds();
       once_planned = static_cast<int>(tower.stones.size());
@@ -163,16 +219,22 @@ struct DrawOutcome {
 };
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DrawOutcome, of_default, of_paper)
 
-DrawOutcome perform_draw(const SearchBenchOptions& options, const StonePool& pool, const SearchRow& of_search,
-                         const SearchRow& paper, int k) {
+DrawOutcome perform_draw(const SearchBenchOptions& options, const StonePool& pool, const KnownStones* known,
+                         const SearchRow& of_search, const SearchRow& paper, int k) {
   DrawOutcome outcome;
-  outcome.of_default = run_default(options, pool, k);
+  outcome.of_default = run_default(options, pool, known, k);
   if (interrupt_noted()) return outcome;
   report_draw(of_search, k, outcome.of_default);
   if (!options.paper) return outcome;
   outcome.of_paper = run_paper(options, pool, k, outcome.of_default.cpu);
   if (!interrupt_noted()) report_draw(paper, k, outcome.of_paper);
   return outcome;
+}
+
+std::string text_of(const std::vector<int>& attitudes) {
+  std::string text;
+  for (const int number : attitudes) text += concat(text.empty() ? "" : ",", number);
+  return text.empty() ? "scans" : text;
 }
 
 std::vector<Figure> settings_of(const SearchBenchOptions& options) {
@@ -182,6 +244,7 @@ std::vector<Figure> settings_of(const SearchBenchOptions& options) {
                                {"friction", s.friction},
                                {"noise_mm", options.noise},
                                {"noise_deg", options.noise_turn},
+                               {"attitudes", text_of(options.attitudes)},
                                {"objective", s.objective},
                                {"beam", s.beam},
                                {"rounds", s.rounds},
@@ -210,8 +273,10 @@ void measure(const SearchBenchOptions& options, Results& results, Draws& draws) 
                               s.min_margin, options.judges.ode, options.judges.in_ode};
     const SearchRow paper{
         pool.name, "paper", options.stones, s.min_margin, options.judges.ode, options.judges.in_ode};
-    const auto outcomes = draws.outcomes(
-        pool.name, options.draws, [&](int k) { return perform_draw(options, pool, of_search, paper, k); });
+    const auto known = draws.performs() ? known_stones(options, pool) : std::nullopt;
+    const auto outcomes = draws.outcomes(pool.name, options.draws, [&](int k) {
+      return perform_draw(options, pool, known ? &*known : nullptr, of_search, paper, k);
+    });
     if (outcomes.empty()) continue;
     std::vector<SearchOutcome> by_default, by_paper;
     for (const DrawOutcome& outcome : outcomes) {
@@ -258,6 +323,12 @@ void add_search(CLI::App& app) {
   sub->add_option("--noise-turn", options->noise_turn, "Placement noise, deg, one sigma about each axis")
       ->check(CLI::Range(0.0, 30.0))
       ->capture_default_str();
+  sub->add_option("--attitudes", options->attitudes,
+                  "Plan with models made of views in so many attitudes, as run --unseen makes them: of the "
+                  "first stone, the second, and again from the first number; without: with the scans")
+      ->delimiter(',')
+      ->check(CLI::Range(1, 10))
+      ->type_name("N,N,...");
   options->pools.register_on(*sub);
   sub->add_option("--objective", options->search.objective,
                   "height: the tower likeliest to stand; firm: the one likeliest to outlast a shake")
@@ -275,9 +346,12 @@ void add_search(CLI::App& app) {
       "  stonestack-bench search --draws 10 --generated 0 --paper 0 --ode\n"
       "  stonestack-bench search --draws 40 --shard 2/8 --record part-2.json\n"
       "  stonestack-bench search --merge part-*.json\n"
-      "  stonestack-bench search --noise 2 --noise-turn 2 --set search.placement_sigma_translation=0.002");
+      "  stonestack-bench search --noise 2 --noise-turn 2 --set search.placement_sigma_translation=0.002\n"
+      "  stonestack-bench search --attitudes 1,2,2 --scans none --paper 0");
   measure_draws_by(*sub, [options](Results& results, Draws& draws) {
     options->settings.apply(nest("search", fields(options->search)));
+    require(options->attitudes.empty() || !options->paper,
+            "the paper's search knows the scans: give --paper 0 with --attitudes");
     measure(*options, results, draws);
   });
 }

@@ -73,6 +73,11 @@ std::vector<StoneIndex> stones_of(const Stack& stack) {
   return list;
 }
 
+bool is_known_in_part(const SearchProblem& problem, StoneIndex stone) {
+  return problem.possible_shapes != nullptr && !problem.possible_shapes->empty() &&
+         at(problem.possible_shapes->front(), stone) != nullptr;
+}
+
 std::vector<LooseStone> loose_stones(const SearchContext& context) {
   std::vector<LooseStone> list;
   for (const PlacedStone& placed : context.available) {
@@ -84,6 +89,9 @@ std::vector<LooseStone> loose_stones(const SearchContext& context) {
     stone.stone = placed.stone;
     stone.geometry = &at(context.geometry, placed.stone);
     stone.orientations = orientations(which);
+    // Of a stone whose underside is not known it is known that it rests as it lies.
+    if (is_known_in_part(*context.problem, placed.stone))
+      stone.orientations.insert(stone.orientations.begin(), placed.T_W_O.linear());
     list.push_back(std::move(stone));
   }
   double radius = 0.0;

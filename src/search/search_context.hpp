@@ -34,6 +34,8 @@ struct SearchContext {
 [[nodiscard]] std::vector<BodyPose> bodies_of(const SearchContext& context, const Stack& stack);
 /// Indices of a stack's stones, bottom first.
 [[nodiscard]] std::vector<StoneIndex> stones_of(const Stack& stack);
+/// True for a stone that may have other shapes than its model.
+[[nodiscard]] bool is_known_in_part(const SearchProblem& problem, StoneIndex stone);
 /// The loose stones with every orientation that the tilt limit allows.
 [[nodiscard]] std::vector<LooseStone> loose_stones(const SearchContext& context);
 

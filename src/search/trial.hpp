@@ -22,6 +22,7 @@ struct Trial {
   std::string outcome;  ///< why it was dropped
   Placement placement;  ///< with the pose at rest
   double margin = 0.0;  ///< of the whole stack by equilibrium [g]
+  double doubt = 0.0;   ///< how far it may turn as surface is unknown, rad: `rest_doubt`
   double score = 0.0;   ///< what to verify first: margin and look-ahead
   int worlds = 0;       ///< with displaced placements and centres of mass that it was tried in;
   int tried = 0;        ///< of these carry information,

@@ -12,6 +12,7 @@ namespace stonestack::stone {
 namespace {
 
 constexpr double kErrorLength = 0.015;  // m, over which errors of a surface are alike: design choice
+constexpr double kTouches = 1e-4;       // m
 constexpr double kMaxField = 2.5;       // standard deviations: more would fold thin parts
 
 /// A smooth random field of the variance 1, Gaussian with a Gaussian covariance, as a sum of waves (random
@@ -38,12 +39,16 @@ class SmoothField {
   std::array<Wave, 40> waves_;
 };
 
-/// Raises what was displaced into a table that the stone lay on.
-void keep_above_tables(const Mesh& scan, const std::vector<Eigen::Vector3d>& up_O_at_rest, Mesh& displaced) {
+/// Raises what was displaced into a table that the stone lay on, and keeps on it what touches it by the
+/// model: whatever its shape is, the stone lay there like that.
+void keep_on_tables(const Mesh& scan, const std::vector<Eigen::Vector3d>& up_O_at_rest, Mesh& displaced) {
   for (const Eigen::Vector3d& up : up_O_at_rest) {
     double table = std::numeric_limits<double>::infinity();
     for (const Eigen::Vector3d& p : scan.vertices) table = std::min(table, up.dot(p));
-    for (Eigen::Vector3d& p : displaced.vertices) p += std::max(0.0, table - up.dot(p)) * up;
+    for (std::size_t v = 0; v < scan.vertices.size(); ++v) {
+      const double below = table - up.dot(displaced.vertices[v]);
+      if (below > 0.0 || up.dot(scan.vertices[v]) < table + kTouches) displaced.vertices[v] += below * up;
+    }
   }
 }
 
@@ -59,7 +64,7 @@ Stone possible_stone(Stone stone, int draw) {
   Mesh displaced = stone.scan;
   for (std::size_t v = 0; v < sigma.size(); ++v)
     displaced.vertices[v] += sigma[v] * field.at(stone.scan.vertices[v]) * normals[v];
-  keep_above_tables(stone.scan, stone.surface->up_O_at_rest, displaced);
+  keep_on_tables(stone.scan, stone.surface->up_O_at_rest, displaced);
   const double solid = volume(displaced);
   if (!(solid > 0.0)) return stone;
   MassProperties mass = mass_properties(displaced, stone.mass.mass / solid);

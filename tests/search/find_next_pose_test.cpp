@@ -147,6 +147,32 @@ TEST(FindNextPose, CountsThatSurfacesAreNotKnownExactly) {
   EXPECT_GT(success, 0.1);
 }
 
+/// Of two boxes alike the one whose surface is not known goes below, where it lies as it did.
+TEST(FindNextPose, WhatIsNotKnownGoesBelow) {
+  std::vector<Stone> stones(2);
+  for (Stone& stone : stones) {
+    stone.name = "box";
+    stone.scan = make_box({0.11, 0.10, 0.05});
+    stone.mass = mass_properties(stone.scan, 2600.0);
+  }
+  for (const StoneIndex unknown : {0_stone, 1_stone}) {
+    std::vector<Stone> known = stones;
+    const std::vector<double> sigma(stones[0].scan.vertices.size(), 0.004);
+    at(known, unknown).surface = SurfaceKnowledge{sigma, std::vector<char>(sigma.size(), 0), {}};
+    const ShapeList shapes = make_contact_shapes(known);
+    const std::vector<ShapeList> possible = make_possible_shapes(known, 8);
+    SearchProblem problem;
+    problem.shapes = &shapes;
+    problem.possible_shapes = &possible;
+    problem.available = {{0_stone, at(0.4, 0, 0.025)}, {1_stone, at(0.4, 0.3, 0.025)}};
+    SearchOptions options = quick();
+    options.horizon = 2;
+    const SearchResult result = find_next_pose(problem, options);
+    ASSERT_FALSE(result.best.empty()) << result.reason;
+    EXPECT_EQ(result.best.front().stone, unknown);
+  }
+}
+
 TEST(FindNextPose, BlamesNoStoneForAStackThatFallsWithoutIt) {
   // The middle box lies 2 mm inside the edge of the base; a pebble upon it changes nothing.
   const ShapeList shapes{boxes()[0], boxes()[1], box("pebble", {0.02, 0.02, 0.02})};
