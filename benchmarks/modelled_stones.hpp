@@ -15,7 +15,7 @@ struct StoneFromViews {
   Eigen::Matrix3d R_W_scan = Eigen::Matrix3d::Identity();  ///< the first attitude
 };
 
-/// What stones are seen in.
+/// Attitudes and views in which stones are seen.
 struct AttitudesSeen {
   std::vector<int> attitudes;  ///< of the first stone, the second and so on; again from the first number
   int views = 4;               ///< of each attitude

@@ -12,7 +12,7 @@ namespace {
 constexpr double kFlatSide = 0.2;  ///< rise over run: the look-ahead tests only sides that are nearly level
 constexpr int kCloser = 4;         ///< times the perturbations, where the first of them disagree
 constexpr double kCrowding = 0.1;  ///< of the friction: TowerTree::choose
-constexpr double kDoubt = 1.0;     ///< g/rad: a load that acts sideways by that share of its weight
+constexpr double kMarginPerTurn = 1.0;   ///< g/rad: a load that acts sideways by that share of its weight
 constexpr double kWeightOfMargin = 3.0;  ///< beside the look-ahead, where towers are to be firm
 
 }  // namespace
@@ -211,7 +211,8 @@ void TowerSearch::find_best() {
 
 double TowerSearch::promise(const Trial& trial) const {
   // A stone that turns by an angle leaves about so much less of the margin.
-  const double margin = std::min(trial.margin, context_.options->friction) - kDoubt * trial.doubt;
+  const double margin =
+      std::min(trial.margin, context_.options->friction) - kMarginPerTurn * trial.turn_sigma;
   return (context_.firm() ? kWeightOfMargin * margin : margin) + trial.look_ahead;
 }
 

@@ -6,7 +6,7 @@
 #include "physics/settle.hpp"
 #include "search/parallel.hpp"
 #include "search/pose_cost.hpp"
-#include "search/rest_doubt.hpp"
+#include "search/rest_uncertainty.hpp"
 #include "search/resting_height.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
@@ -198,8 +198,8 @@ Trial settled_trial(const SearchContext& context, const Stack& below, Trial tria
   if (!balance.stands) return dropped(std::move(trial), "no contact forces hold the stack");
   if (balance.margin < context.options->min_margin)
     return dropped(std::move(trial), concat("bears less than ", context.options->min_margin, " g sideways"));
-  trial.doubt = rest_doubt(context, below, {trial.stone, at_rest.T_W_O}, at_rest.contacts);
-  if (trial.doubt > 0.0) trial.placement.terms["rest_doubt"] = trial.doubt;
+  trial.turn_sigma = rest_uncertainty(context, below, {trial.stone, at_rest.T_W_O}, at_rest.contacts);
+  if (trial.turn_sigma > 0.0) trial.placement.terms["turn_sigma"] = trial.turn_sigma;
   trial.score = std::min(trial.margin, context.options->friction) + trial.look_ahead;
   return trial;
 }

@@ -19,15 +19,15 @@ struct Trial {
   std::vector<Pose> T_W_O_loaded = {};
 
   bool alive = true;
-  std::string outcome;  ///< why it was dropped
-  Placement placement;  ///< with the pose at rest
-  double margin = 0.0;  ///< of the whole stack by equilibrium [g]
-  double doubt = 0.0;   ///< how far it may turn as surface is unknown, rad: `rest_doubt`
-  double score = 0.0;   ///< what to verify first: margin and look-ahead
-  int worlds = 0;       ///< with displaced placements and centres of mass that it was tried in;
-  int tried = 0;        ///< of these carry information,
-  int survived = 0;     ///< and in so many it stood
-  int shaken = 0;       ///< and outlasted a shake; asked of finished towers with the objective "firm"
+  std::string outcome;      ///< why it was dropped
+  Placement placement;      ///< with the pose at rest
+  double margin = 0.0;      ///< of the whole stack by equilibrium [g]
+  double turn_sigma = 0.0;  ///< how far it may turn as surface is unknown, rad: `rest_uncertainty`
+  double score = 0.0;       ///< what to verify first: margin and look-ahead
+  int worlds = 0;           ///< with displaced placements and centres of mass that it was tried in;
+  int tried = 0;            ///< of these carry information,
+  int survived = 0;         ///< and in so many it stood
+  int shaken = 0;           ///< and outlasted a shake; asked of finished towers with the objective "firm"
 };
 
 /// Lets the stone down on the stack `below`, held fixed, and solves the equilibrium of the whole. The stack

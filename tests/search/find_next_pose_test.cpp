@@ -148,7 +148,7 @@ TEST(FindNextPose, CountsThatSurfacesAreNotKnownExactly) {
 }
 
 /// Of two boxes alike the one whose surface is not known goes below, where it lies as it did.
-TEST(FindNextPose, WhatIsNotKnownGoesBelow) {
+TEST(FindNextPose, PutsBelowTheStoneThatIsKnownInPart) {
   std::vector<Stone> stones(2);
   for (Stone& stone : stones) {
     stone.name = "box";

@@ -1,4 +1,4 @@
-#include "search/rest_doubt.hpp"
+#include "search/rest_uncertainty.hpp"
 
 #include <cmath>
 
@@ -36,8 +36,8 @@ double slope_of(std::span<const Contact> contacts, const std::vector<double>& ga
 
 }  // namespace
 
-double rest_doubt(const SearchContext& context, const Stack& below, const PlacedStone& placed,
-                  std::span<const Contact> contacts) {
+double rest_uncertainty(const SearchContext& context, const Stack& below, const PlacedStone& placed,
+                        std::span<const Contact> contacts) {
   const auto* draws = context.problem->possible_shapes;
   if (draws == nullptr || draws->empty() || contacts.size() < 2) return 0.0;
   double squares = 0.0;

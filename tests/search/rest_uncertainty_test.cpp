@@ -1,4 +1,4 @@
-#include "search/rest_doubt.hpp"
+#include "search/rest_uncertainty.hpp"
 
 #include <gtest/gtest.h>
 
@@ -29,38 +29,38 @@ struct MiddleOnBase {
   std::vector<ShapeList> possible;
   PlacedStone middle{1_stone, at(0, 0, 0.085)};
 
-  [[nodiscard]] double doubt() {
+  [[nodiscard]] double sigma() {
     problem.possible_shapes = &possible;
     const SearchContext context = make_context(problem, options, {});
     std::vector<Contact> contacts;
     for (const double x : {-0.04, 0.04})
       for (const double y : {-0.035, 0.035})
         contacts.push_back({0, 1, {x, y, 0.06}, Eigen::Vector3d::UnitZ(), 0.0, 0.0});
-    return rest_doubt(context, problem.stack, middle, contacts);
+    return rest_uncertainty(context, problem.stack, middle, contacts);
   }
 };
 
-TEST(RestDoubt, IsTheTurnThatPossibleUndersidesLeave) {
+TEST(RestUncertainty, IsTheTurnThatPossibleUndersidesLeave) {
   MiddleOnBase in;
-  EXPECT_EQ(in.doubt(), 0.0) << "all is known";
+  EXPECT_EQ(in.sigma(), 0.0) << "all is known";
   const Eigen::Vector3d size(0.10, 0.09, 0.05);
   for (const double slope : {0.03, -0.03})
     in.possible.push_back({nullptr, box_with_underside(size, slope, 0.0), nullptr});
-  EXPECT_NEAR(in.doubt(), 0.03, 0.003);
+  EXPECT_NEAR(in.sigma(), 0.03, 0.003);
   in.possible = {{nullptr, box_with_underside(size, 0.0, 0.004), nullptr}};
-  EXPECT_LT(in.doubt(), 0.001) << "it stands lower, and level";
+  EXPECT_LT(in.sigma(), 0.001) << "it stands lower, and level";
 }
 
-TEST(RestDoubt, CountsTheStoneBelowToo) {
+TEST(RestUncertainty, CountsTheStoneBelowToo) {
   MiddleOnBase in;
-  for (const double slope : {0.02, -0.02}) {  // upside down: its upper side is the one in doubt
+  for (const double slope : {0.02, -0.02}) {  // upside down: its upper side is the uncertain one
     in.possible.push_back({box_with_underside({0.12, 0.11, 0.06}, slope, 0.0), nullptr, nullptr});
     in.problem.stack.stones[0].T_W_O = at(0, 0, 0.03) * Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX());
   }
-  EXPECT_NEAR(in.doubt(), 0.02, 0.003);
+  EXPECT_NEAR(in.sigma(), 0.02, 0.003);
 }
 
-TEST(RestDoubt, IsNoneWhereTheStoneLayOnTheTable) {
+TEST(RestUncertainty, IsNoneWhereTheStoneLayOnTheTable) {
   std::vector<Stone> stones(1);
   stones[0].name = "pebble";
   stones[0].scan = make_sphere(0.06, 4);
@@ -80,9 +80,9 @@ TEST(RestDoubt, IsNoneWhereTheStoneLayOnTheTable) {
   for (const double x : {-0.03, 0.03})
     for (const double y : {-0.03, 0.03})
       contacts.push_back({kTable, 0, {x, y, 0.0}, Eigen::Vector3d::UnitZ(), 0.0, 0.0});
-  EXPECT_LT(rest_doubt(context, {}, {0_stone, at(0, 0, 0.025)}, contacts), 0.005);
+  EXPECT_LT(rest_uncertainty(context, {}, {0_stone, at(0, 0, 0.025)}, contacts), 0.005);
   const Pose upside_down = at(0, 0, 0.025) * Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX());
-  EXPECT_GT(rest_doubt(context, {}, {0_stone, upside_down}, contacts), 0.02);
+  EXPECT_GT(rest_uncertainty(context, {}, {0_stone, upside_down}, contacts), 0.02);
 }
 
 }  // namespace

@@ -9,7 +9,7 @@ namespace stonestack::search {
 /// below it are known in part only: standard deviation [rad] over the shapes that both may have, each of
 /// which rests on the same contacts. 0 where all surface is known, as that on which a stone lay on the table.
 /// @param contacts of the stone with the stack `below` or the table
-[[nodiscard]] double rest_doubt(const SearchContext& context, const Stack& below, const PlacedStone& placed,
-                                std::span<const Contact> contacts);
+[[nodiscard]] double rest_uncertainty(const SearchContext& context, const Stack& below,
+                                      const PlacedStone& placed, std::span<const Contact> contacts);
 
 }  // namespace stonestack::search
