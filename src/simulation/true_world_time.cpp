@@ -14,8 +14,9 @@ constexpr double kGripStep = 1.0 / 2000;  // s while a pad is at a stone: pads a
 // Pads are integrated explicitly, with their damping: stable as long as the damping of all of them takes less
 // than this share of a stone's speed in a step. Light cartons between stiff pads were shaken by kilonewtons.
 constexpr double kPadShare = 0.7;
-constexpr double kRolling = 0.3;         // 1/s, angular damping: a rounded stone does not rock for ever
-constexpr double kGripperReach = 0.020;  // m: a stone this near the gripper is in play
+constexpr double kFinestGripStep = 2e-5;  // s: of things lighter than 15 g between the stiffest pads of `lab`
+constexpr double kRolling = 0.3;          // 1/s, angular damping: a rounded stone does not rock for ever
+constexpr double kGripperReach = 0.020;   // m: a stone this near the gripper is in play
 constexpr double kStoneReach = 0.005;
 constexpr double kRestShift = 0.00002;    // m
 constexpr double kRestTurn = 0.0002;      // rad
@@ -92,7 +93,8 @@ double TrueWorld::step_of_pads() {
       PadContact& pad = state(i).pads[static_cast<std::size_t>(f)];
       if (!pad.near(pad_pose(model_, f, gripper_pose_), state(i).T_W_O)) continue;
       const double all = model_.fingers() * pad.damping();
-      step = std::min({step, kGripStep, kPadShare * at(shapes_, i)->mass.mass / all});
+      const double stable = kPadShare * at(shapes_, i)->mass.mass / all;
+      step = std::min({step, kGripStep, std::max(stable, kFinestGripStep)});
     }
   return step;
 }

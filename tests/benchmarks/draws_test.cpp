@@ -128,5 +128,22 @@ TEST_F(BenchCommand, WallsAreBuiltBesideTheirPlanAndStonesThatFallAreCounted) {
   EXPECT_THAT(wild.err, HasSubstr("4 fell"));
 }
 
+TEST_F(BenchCommand, TowersArePlannedWithModelsMadeOfViews) {
+  const std::string towers =
+      "search --draws 1 --stones 2 --generated 2 --scans none --stand 0.2 --friction 0.4 --seed 3 "
+      "--set search.settled=6 ";
+  const Outcome models = run(towers + "--paper 0 --attitudes 1,2 --json");
+  ASSERT_EQ(models.code, 0) << models.err;
+  EXPECT_EQ(models.data()["settings"]["attitudes"], "1,2");
+  EXPECT_THAT(models.err, HasSubstr("limestone_0: modelled from 1 attitudes"));
+  EXPECT_THAT(models.err, HasSubstr("limestone_1: modelled from "));
+  EXPECT_GE(rows_of(models.data(), "towers")[0]["mean_clean"].get<double>(), 1.0) << "one stands by itself";
+  const Outcome scans = run(towers + "--paper 0 --json");
+  EXPECT_EQ(scans.data()["settings"]["attitudes"], "scans");
+  EXPECT_THAT(scans.err, testing::Not(HasSubstr("modelled")));
+  expect_refusal(towers + "--attitudes 1", 2, {"--paper 0"});
+  expect_refusal(towers + "--paper 0 --attitudes 0", 2, {"--attitudes"});
+}
+
 }  // namespace
 }  // namespace stonestack::bench
