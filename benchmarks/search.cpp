@@ -63,21 +63,21 @@ struct BuiltTower {
   std::string reason;
 };
 
-/// Stones as the planner knows them, in the order of the pool.
-struct KnownStones {
+/// Stones as towers are planned with them, in the order of the pool.
+struct PlannedStones {
   ShapeList shapes;
   std::vector<ShapeList> possible;
   std::vector<Pose> T_scan_O;             ///< frames of the models in those of the scans
   std::vector<Eigen::Matrix3d> R_W_scan;  ///< attitudes in which they lie
 };
 
-std::optional<KnownStones> known_stones(const SearchBenchOptions& options, const StonePool& pool) {
+std::optional<PlannedStones> planned_stones(const SearchBenchOptions& options, const StonePool& pool) {
   if (options.attitudes.empty()) return std::nullopt;
   std::vector<Stone> seen = pool.stones;
   for (Stone& stone : seen) stone.mesh = stone.scan;
   const SceneMaker maker(seen);
   std::vector<Stone> models;
-  KnownStones known;
+  PlannedStones known;
   for (StoneFromViews& one : stones_from_views(maker, {options.attitudes, kViews, kLowestView, kOtherSide},
                                                static_cast<std::uint64_t>(options.seed))) {
     known.R_W_scan.push_back(one.R_W_scan);
@@ -90,7 +90,7 @@ std::optional<KnownStones> known_stones(const SearchBenchOptions& options, const
 }
 
 /// The problem as it looks to who knows the models. What stands though by the models it cannot is held.
-SearchProblem as_known(const KnownStones& known, const SearchProblem& truth, const SearchOptions& search) {
+SearchProblem as_known(const PlannedStones& known, const SearchProblem& truth, const SearchOptions& search) {
   SearchProblem problem = truth;
   problem.shapes = &known.shapes;
   problem.possible_shapes = &known.possible;
@@ -110,7 +110,7 @@ Stack stack_of(const std::vector<Placement>& placements) {
 /// Plans, puts down beside the plan, and plans anew. The first stone that falls ends it.
 /// @param known the stones as they are planned with; null: as they are
 BuiltTower build_step_by_step(const SearchBenchOptions& options, SearchProblem problem,
-                              const SearchOptions& search, const KnownStones* known, int k) {
+                              const SearchOptions& search, const PlannedStones* known, int k) {
   Random random = Random::stream(static_cast<std::uint64_t>(options.seed), concat("placement noise ", k));
   PlacementNoise noise;
   noise.shift = 1e-3 * options.noise;
@@ -141,15 +141,15 @@ BuiltTower build_step_by_step(const SearchBenchOptions& options, SearchProblem p
 }
 
 BuiltTower build(const SearchBenchOptions& options, const SearchProblem& problem, const SearchOptions& search,
-                 const KnownStones* known, int k) {
+                 const PlannedStones* known, int k) {
   if (options.noise > 0.0 || options.noise_turn > 0.0 || known != nullptr)
     return build_step_by_step(options, problem, search, known, k);
   const TowerPlan planned = plan_tower(problem, options.stones, search);
   return {stack_of(planned.placements), planned.reason};
 }
 
-SearchOutcome run_default(const SearchBenchOptions& options, const StonePool& pool, const KnownStones* known,
-                          int k) {
+SearchOutcome run_default(const SearchBenchOptions& options, const StonePool& pool,
+                          const PlannedStones* known, int k) {
   const SearchProblem problem = draw_problem(pool, options.seed, k, options.stones);
   const double start = processor_seconds();
   const Stopwatch watch;
@@ -219,7 +219,7 @@ struct DrawOutcome {
 };
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DrawOutcome, of_default, of_paper)
 
-DrawOutcome perform_draw(const SearchBenchOptions& options, const StonePool& pool, const KnownStones* known,
+DrawOutcome perform_draw(const SearchBenchOptions& options, const StonePool& pool, const PlannedStones* known,
                          const SearchRow& of_search, const SearchRow& paper, int k) {
   DrawOutcome outcome;
   outcome.of_default = run_default(options, pool, known, k);
@@ -273,7 +273,7 @@ void measure(const SearchBenchOptions& options, Results& results, Draws& draws) 
                               s.min_margin, options.judges.ode, options.judges.in_ode};
     const SearchRow paper{
         pool.name, "paper", options.stones, s.min_margin, options.judges.ode, options.judges.in_ode};
-    const auto known = draws.performs() ? known_stones(options, pool) : std::nullopt;
+    const auto known = draws.performs() ? planned_stones(options, pool) : std::nullopt;
     const auto outcomes = draws.outcomes(pool.name, options.draws, [&](int k) {
       return perform_draw(options, pool, known ? &*known : nullptr, of_search, paper, k);
     });

@@ -44,8 +44,10 @@ double rest_uncertainty(const SearchContext& context, const Stack& below, const 
   std::vector<double> gaps(contacts.size());
   for (const ShapeList& possible : *draws) {
     for (std::size_t k = 0; k < contacts.size(); ++k) {
-      gaps[k] = gap_to(possible, placed, contacts[k].p_W);
-      if (!below.stones.empty()) gaps[k] += gap_to(possible, below.stones.back(), contacts[k].p_W);
+      const Contact& contact = contacts[k];
+      gaps[k] = gap_to(possible, placed, contact.p_W);
+      if (contact.below != kTable)
+        gaps[k] += gap_to(possible, below.stones[static_cast<std::size_t>(contact.below)], contact.p_W);
     }
     const double slope = slope_of(contacts, gaps);
     squares += slope * slope;

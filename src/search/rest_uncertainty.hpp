@@ -5,8 +5,8 @@
 
 namespace stonestack::search {
 
-/// How far a stone may turn about level axes when it is put down, since its surface and that of the stone
-/// below it are known in part only: standard deviation [rad] over the shapes that both may have, each of
+/// How far a stone may turn about level axes when it is put down, since its surface and that of the stones
+/// below it are known in part only: standard deviation [rad] over the shapes that they may have, each of
 /// which rests on the same contacts. 0 where all surface is known, as that on which a stone lay on the table.
 /// @param contacts of the stone with the stack `below` or the table
 [[nodiscard]] double rest_uncertainty(const SearchContext& context, const Stack& below,
