@@ -44,9 +44,9 @@ bool is_of_search(const Event& event) {
          std::holds_alternative<PlanHolds>(event) || std::holds_alternative<PlanBroken>(event);
 }
 
-Decision decide(Workcell& w, const Known& known, const Listener& listener) {
+Decision decide(Workcell& w, const Known& known, const Listener& listener, Basis basis = Basis::kObserved) {
   const Stopwatch watch;
-  Decision decision = choose_action(known.world, known.memory, w.models, w.options, listener);
+  Decision decision = choose_action(known.world, known.memory, w.models, w.options, listener, basis);
   w.seconds.search += watch.seconds();
   return decision;
 }
@@ -67,9 +67,10 @@ Known observe_and_learn(Workcell& w, const Expectation& expected, RunMemory memo
   const auto while_moving = [&](const WorldEstimate& predicted) {
     const Known then{predicted, learn(memory, predicted, w.models, w.options, {})};
     if (then.memory.failure || predicted.loose.empty()) return;
-    ahead = decide(w, then, [&](const Event& event) {
-              if (is_of_search(event)) w.emit(event);
-            }).memory.search;
+    const auto hear = [&](const Event& event) {
+      if (is_of_search(event)) w.emit(event);
+    };
+    ahead = decide(w, then, hear, Basis::kPredicted).memory.search;
   };
   Observation seen = observe(w, expected, while_moving);
   const std::size_t judged = memory.records.size();

@@ -220,6 +220,10 @@ Action choose(const Situation& s, RunMemory& memory) {
   if (const auto push = push_free(s, memory, Neighbours::kLasting)) return *push;
   do {
     if (const auto action = choose_placement(s, memory)) return *action;
+    if (s.basis == Basis::kPredicted) {
+      memory.search.reset();
+      return Stop{RunEnd::kNoPose, "nothing is found for the world as predicted"};
+    }
     if (const auto push = push_free(s, memory, Neighbours::kAll)) return *push;
     if (const auto action = unstack(s, memory)) return *action;
   } while (retry_failed_grasps(s, memory));
@@ -260,7 +264,7 @@ RunMemory make_memory(const BuildOptions& options) {
 }
 
 Decision choose_action(const WorldEstimate& world, const RunMemory& memory, const Models& models,
-                       const BuildOptions& options, const Listener& listener) {
+                       const BuildOptions& options, const Listener& listener, Basis basis) {
   require(world.resting.size() == memory.friction.frictions.size(), "the stack was settled at ",
           world.resting.size(), " frictions, not at ", memory.friction.frictions.size());
   Decision decision{Stop{}, memory, {}};
@@ -268,7 +272,7 @@ Decision choose_action(const WorldEstimate& world, const RunMemory& memory, cons
     decision.why.push_back(event);
     if (listener) listener(event);
   };
-  Situation situation = make_situation(world, models, options, note);
+  Situation situation = make_situation(world, models, options, note, basis);
   // What turned out to be no stone just now: an object from the next observation on.
   std::erase_if(situation.arrangement.loose,
                 [&](const PlacedStone& loose) { return memory.disproved.contains(loose.stone); });

@@ -43,14 +43,20 @@ struct Decision {
   std::vector<Event> why;  ///< in order
 };
 
+/// Where a world comes from: all views, or a prediction from the first of them, which is often displaced by a
+/// millimetre or two.
+enum class Basis { kObserved, kPredicted };
+
 /// Decides what the robot does next. Pure: asks no device and no clock, and the same world, memory and
 /// options give the same decision. In this order: ends after a failure; searches for stones out of sight;
 /// goes on unstacking; clears the base; ends when the height is reached; places or reorients a stone by the
 /// search (src/stacking/choose_placement.hpp); unstacks where nothing fits; retries grasps that failed; ends.
 /// `listener` hears events as they happen.
+/// @param basis predicted: where the first search finds nothing, none follows at other frictions, nor with
+///     stones taken off, and the decision ends there with no `memory.search`
 /// @throws Interrupted and InvalidArgument for a world without resting stacks.
 [[nodiscard]] Decision choose_action(const WorldEstimate& world, const RunMemory& memory,
                                      const Models& models, const BuildOptions& options,
-                                     const Listener& listener = {});
+                                     const Listener& listener = {}, Basis basis = Basis::kObserved);
 
 }  // namespace stonestack::stacking

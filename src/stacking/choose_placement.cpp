@@ -176,7 +176,8 @@ struct FrictionSearch {
   /// lowest, with which towers of four are rarely found (it counts in the expected height); more is assumed
   /// as long as the tower found so far is not expected to stand whole: first to go on from where it ends,
   /// then for other towers. From the third friction on, or the last, stones may be reoriented.
-  [[nodiscard]] SearchOutcome run() const {
+  /// Nothing where the first search finds nothing and the world is a prediction.
+  [[nodiscard]] std::optional<SearchOutcome> run() const {
     Route route = Route::kDirect;
     SearchProblem current = problem(route);
     if (current.held > 0)
@@ -191,7 +192,7 @@ struct FrictionSearch {
     if (auto found = was_reorienting
                          ? rest_that_holds(problem(Route::kReorienting), Route::kReorienting, levels)
                          : rest_that_holds(current, route, levels))
-      return *std::move(found);
+      return found;
     SearchOutcome best;
     double best_expected = 0.0;
     const auto sure = [&] { return best_expected >= s.options.sure_success * levels; };
@@ -230,6 +231,7 @@ struct FrictionSearch {
     };
     for (std::size_t level = first_level(possible, memory.friction); level < count && !sure(); ++level) {
       climb(level);
+      if (best.found.best.empty() && s.basis == Basis::kPredicted) return std::nullopt;
       if (level + 1 < std::min(kDirectFirst, count) || route == Route::kReorienting || sure() ||
           !reorients_allowed)
         continue;
@@ -274,11 +276,11 @@ void search_now(const Situation& s, RunMemory& memory) {
                                "no feasible pose: the gripper cannot pick up what is left: " + stones};
     return;
   }
-  SearchOutcome outcome = s.models.wall ? search_wall(s, memory) : FrictionSearch{s, memory}.run();
-  outcome.graspable = std::move(graspable);
-  if (outcome.found.best.empty() && !outcome.dead_end)
-    outcome.dead_end = {RunEnd::kNoPose, "no feasible pose: " + outcome.found.reason};
-  memory.search = std::move(outcome);
+  memory.search = s.models.wall ? search_wall(s, memory) : FrictionSearch{s, memory}.run();
+  if (!memory.search) return;
+  memory.search->graspable = std::move(graspable);
+  if (memory.search->found.best.empty() && !memory.search->dead_end)
+    memory.search->dead_end = {RunEnd::kNoPose, "no feasible pose: " + memory.search->found.reason};
 }
 
 /// The stages of a search's result, in order: direct and, if it counted on that, with reorienting.
@@ -418,10 +420,10 @@ std::vector<std::vector<Alternative>> compared_with_rest(const Situation& s, con
 }
 
 Situation make_situation(const WorldEstimate& world, const Models& models, const BuildOptions& options,
-                         const Listener& listener) {
+                         const Listener& listener, Basis basis) {
   Arrangement arrangement = at_rest(world);
   auto reach = make_reach(arrangement, world, models, options);
-  return {world, models, options, listener, std::move(arrangement), std::move(reach)};
+  return {world, models, options, listener, std::move(arrangement), std::move(reach), basis};
 }
 
 std::vector<StoneIndex> graspable_stones(const Situation& s) {
@@ -471,6 +473,7 @@ std::optional<Action> choose_placement(const Situation& s, RunMemory& memory) {
   for (;;) {
     throw_if_interrupted();
     search_now(s, memory);
+    if (!memory.search) return std::nullopt;
     SearchOutcome& outcome = *memory.search;
     if (outcome.dead_end) return std::nullopt;
     const std::vector<Action> stages = stages_of(outcome);

@@ -17,13 +17,15 @@ struct Situation {
   const Listener& listener;
   Arrangement arrangement;       ///< `at_rest(world)`
   std::shared_ptr<Reach> reach;  ///< of `arrangement`
+  Basis basis = Basis::kObserved;
 
   void emit(const Event& event) const {
     if (listener) listener(event);
   }
 };
 [[nodiscard]] Situation make_situation(const WorldEstimate& world, const Models& models,
-                                       const BuildOptions& options, const Listener& listener);
+                                       const BuildOptions& options, const Listener& listener,
+                                       Basis basis = Basis::kObserved);
 
 /// The stack, the stones that the gripper can hold, and as out of reach what the arm does not reach and what
 /// was given up. `memory` must outlive it.
@@ -50,7 +52,8 @@ struct Situation {
 
 /// Place or Reorient: what `memory.search` found, or a search now, by stages: the placements whose plans
 /// reach highest in one go, then with a stone set down on the route, then the others likewise. Nothing if no
-/// pose is left; `memory.search->dead_end` then gives the reason.
+/// pose is left; `memory.search->dead_end` then gives the reason, or there is no `memory.search` where the
+/// search was not finished because the world is a prediction.
 [[nodiscard]] std::optional<Action> choose_placement(const Situation& situation, RunMemory& memory);
 
 /// Stones expected to stand in the end when the top k + 1 of the stack are unstacked first, for each k that

@@ -226,6 +226,26 @@ TEST(ChooseAction, ModelsWhatIsNotRecognisedWhereAnAwaitedStoneIsNotSeen) {
   EXPECT_TRUE(std::holds_alternative<Place>(decide(state).action)) << "not without end";
 }
 
+/// The next view may displace what was predicted from one: more than one search in vain is not made for it.
+TEST(ChooseAction, OnAPredictionOneSearchInVainIsTheLast) {
+  State state = read("place");
+  state.options.search.horizon = 1;
+  state.memory.search.reset();
+  state.memory.plan.reset();
+  const auto on = [&](Basis basis) {
+    return choose_action(state.world, state.memory, models(), state.options, {}, basis);
+  };
+  EXPECT_TRUE(on(Basis::kPredicted).memory.search.has_value());
+  state.options.search.min_margin = 1.0;  // nothing bears that
+  const Decision predicted = on(Basis::kPredicted);
+  EXPECT_TRUE(std::holds_alternative<Stop>(predicted.action)) << name_of(predicted.action);
+  EXPECT_FALSE(predicted.memory.search.has_value());
+  EXPECT_EQ(all_of<SearchedAtFriction>(predicted.why).size(), 1U);
+  const Decision observed = on(Basis::kObserved);
+  EXPECT_TRUE(observed.memory.search.has_value());
+  EXPECT_GT(all_of<SearchedAtFriction>(observed.why).size(), 1U);
+}
+
 /// A base of the tower that was set down just now, by a model that the camera made.
 struct ModelledBase {
   Catalogue catalogue = limestones();
