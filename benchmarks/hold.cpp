@@ -8,8 +8,10 @@
 #include <string>
 
 #include "bench.hpp"
+#include "common_options.hpp"
 #include "core/constants.hpp"
 #include "core/quantile.hpp"
+#include "grasp_problems.hpp"
 #include "motion/grasp/pad_press.hpp"
 #include "stacking/execute.hpp"
 #include "stonestack/core/clock.hpp"
@@ -18,35 +20,41 @@
 #include "stonestack/core/random.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
+#include "stonestack/stacking/observe.hpp"
 #include "stonestack/stone/catalogue.hpp"
 #include "view_error.hpp"
 
 namespace stonestack::bench {
 namespace {
 
-constexpr double kSlid = 0.005;          // m in the gripper: more spoils the placement
-constexpr double kTurned = 3 * kDegree;  // the same
-constexpr double kLost = 0.05;           // m: not in the gripper any more
-constexpr double kHeight = 0.15;         // m, of the target above the table
-constexpr double kSpacing = 0.003;       // m, between samples that pads press on
+constexpr double kSlid = 0.005;                      // m in the gripper: more spoils the placement
+constexpr double kTurned = 3 * kDegree;              // the same
+constexpr double kLost = 0.05;                       // m: not in the gripper any more
+constexpr double kHeight = 0.15;                     // m, of the target above the table
+constexpr double kSpacing = 0.003;                   // m, between samples that pads press on
+constexpr double kShortest = 0.07, kLongest = 0.14;  // m, of generated stones
 
 struct Settings {
-  std::string catalogue = data_path("stones");
+  CommonOptions common;
+  int generated = 0;
   int picks = 10;
   ViewError view;
   bool every = false;
   bool locked = false;
-  int seed = 1;
+  bool pads_only = false;
+  MotionOptions motion;
+  SimulationOptions simulation;
 };
 
 /// Outcomes of lifts.
 struct HoldTally {
-  int tried = 0, no_plan = 0, not_held = 0, dropped = 0, moved = 0;
+  int tried = 0, no_plan = 0, stopped = 0, not_held = 0, dropped = 0, moved = 0;
   std::vector<double> slide, turn;
 
   void add(const HoldTally& other) {
     tried += other.tried;
     no_plan += other.no_plan;
+    stopped += other.stopped;
     not_held += other.not_held;
     dropped += other.dropped;
     moved += other.moved;
@@ -83,11 +91,12 @@ void print_lift(const Stone& stone, const PlanningScene& scene, const PickAndPla
 void lift(const Stone& stone, const Settings& settings, const MotionOptions& options, int seed,
           HoldTally& tally, Results& results) {
   const RobotModel robot = read_robot("ur10");
-  const CellLayout layout;
+  CellLayout layout;
+  layout.linkage = settings.simulation.linkage;  // as `run` does for a named cell
   Random random = Random::stream(static_cast<std::uint64_t>(seed), "hold " + stone.name);
-  SimulationOptions simulation;
+  SimulationOptions simulation = settings.simulation;
   simulation.seed = seed;
-  simulation.regrip = !settings.locked;
+  if (settings.locked) simulation.regrip = false;
   const std::vector<Stone> stones{stone};
   SimulatedCell simulated(stones, {0_stone}, robot, layout, simulation);
   Cell cell = simulated.cell();
@@ -105,6 +114,7 @@ void lift(const Stone& stone, const Settings& settings, const MotionOptions& opt
   scene.robot = robot;
   scene.T_W_R = layout.T_W_R;
   scene.T_F_T = layout.T_F_T;
+  scene.gripper = stacking::gripper_of(layout);
   scene.objects.push_back({stone.name, stone.pieces, task.T_W_O_pick});
   ++tally.tried;
   PickAndPlacePlan plan = plan_pick_and_place(scene, task, options);
@@ -116,11 +126,19 @@ void lift(const Stone& stone, const Settings& settings, const MotionOptions& opt
   plan.steps.erase(std::find_if(plan.steps.begin(), plan.steps.end(),
                                 [](const PlanStep& step) { return step.kind == PlanStep::Kind::kDescent; }),
                    plan.steps.end());
-  const ExecutionResult result = execute(plan, stone, scene, cell, options, nullptr);
+  ExecutionResult result;
+  try {
+    result = execute(plan, stone, scene, cell, options, nullptr);
+  } catch (const DeviceError& stop) {  // a protective stop
+    result = {ExecutionResult::Status::kStopped, 0.0, stop.what()};
+  }
   const Pose T_W_T = layout.T_W_R * forward(robot, cell.arm.state().q) * layout.T_F_T;
   const auto off = difference(plan.T_O_T.inverse(), T_W_T.inverse() * simulated.truth().T_W_O[0]);
   std::string what = "held";
-  if (result.status == ExecutionResult::Status::kLost) {
+  if (result.status == ExecutionResult::Status::kStopped) {
+    ++tally.stopped;
+    what = result.reason;
+  } else if (result.status == ExecutionResult::Status::kLost) {
     ++tally.dropped;
     what = result.reason;
   } else if (result.status != ExecutionResult::Status::kReleased) {
@@ -143,19 +161,20 @@ void lift(const Stone& stone, const Settings& settings, const MotionOptions& opt
 void report(const std::string& name, const HoldTally& t, Results& results) {
   const auto mm = [&](double share) { return 1e3 * quantile(t.slide, share); };
   const auto deg = [&](double share) { return quantile(t.turn, share) / kDegree; };
-  results.row({name, t.tried, t.no_plan, t.not_held, t.dropped, t.moved, mm(0.5), mm(0.9), mm(1.0), deg(0.5),
-               deg(0.9), deg(1.0)});
+  results.row({name, t.tried, t.no_plan, t.stopped, t.not_held, t.dropped, t.moved, mm(0.5), mm(0.9), mm(1.0),
+               deg(0.5), deg(0.9), deg(1.0)});
 }
 
 /// The lifts of every stone, with grasps that are chosen by one of two strategies.
-void measure(const Catalogue& catalogue, const Settings& settings, bool press_pads, Results& results) {
-  MotionOptions options;
+void measure(const std::vector<Stone>& stones, const Settings& settings, bool press_pads, Results& results) {
+  MotionOptions options = settings.motion;
   options.press_pads = press_pads;
   const double start = processor_seconds();
   const std::string chosen = press_pads ? "pressed pads" : "three contacts";
   results.table("grasps chosen by " + chosen, {{"stone"},
                                                {"tried"},
                                                {"no_plan"},
+                                               {"stopped"},
                                                {"not_held"},
                                                {"dropped"},
                                                {"moved"},
@@ -166,11 +185,11 @@ void measure(const Catalogue& catalogue, const Settings& settings, bool press_pa
                                                {"deg_p90", 1},
                                                {"deg_max", 1}});
   HoldTally all;
-  for (const Stone& stone : catalogue.stones) {
+  for (const Stone& stone : stones) {
     HoldTally tally;
     for (int k = 0; k < settings.picks; ++k) {
       throw_if_interrupted();
-      lift(stone, settings, options, settings.seed * 1000 + k, tally, results);
+      lift(stone, settings, options, static_cast<int>(settings.common.seed) * 1000 + k, tally, results);
     }
     report(stone.name, tally, results);
     all.add(tally);
@@ -180,16 +199,22 @@ void measure(const Catalogue& catalogue, const Settings& settings, bool press_pa
 }
 
 void measure(const Settings& settings, Results& results) {
-  const Catalogue catalogue = read_catalogue(settings.catalogue);
+  std::vector<Stone> stones;
+  for (int k = 0; k < settings.generated; ++k)
+    stones.push_back(random_stone(100 * settings.common.seed + static_cast<std::uint64_t>(k),
+                                  concat("limestone ", k), kShortest, kLongest));
+  if (stones.empty()) stones = settings.common.read().stones;
   results.settings({{"picks", settings.picks},
-                    {"catalogue", settings.catalogue},
+                    {"stones", stones.size()},
+                    {"generated", settings.generated},
                     {"shift_mm", 1e3 * settings.view.shift},
                     {"turn_deg", settings.view.turn / kDegree},
                     {"fingers_locked", settings.locked},
                     {"moved_beyond_mm", 1e3 * kSlid},
                     {"moved_beyond_deg", kTurned / kDegree},
-                    {"seed", settings.seed}});
-  for (const bool press_pads : {false, true}) measure(catalogue, settings, press_pads, results);
+                    {"seed", settings.common.seed}});
+  if (!settings.pads_only) measure(stones, settings, false, results);
+  measure(stones, settings, true, results);
 }
 
 }  // namespace
@@ -198,17 +223,25 @@ void add_hold(CLI::App& app) {
   auto settings = std::make_shared<Settings>();
   CLI::App* sub =
       app.add_subcommand("hold", "Lifts and carries in the simulated cell: what stays in the gripper");
-  sub->add_option("--catalogue", settings->catalogue, "Folder of stones (default: those that come along)")
-      ->check(CLI::ExistingDirectory);
+  sub->add_option("--generated", settings->generated,
+                  "That many limestones of 7 to 14 cm made from the seed, instead of a catalogue")
+      ->check(CLI::Range(7, 1000));
   sub->add_option("--picks", settings->picks, "Lifts of each stone")
       ->check(CLI::Range(1, 999))
       ->capture_default_str();
   settings->view.add_options(*sub);
   sub->add_flag("--locked", settings->locked, "Fingers stay where they stopped (simulation.regrip=false)");
+  sub->add_flag("--pads-only", settings->pads_only, "Without the grasps that are chosen by three contacts");
   sub->add_flag("--every", settings->every, "Print every lift with its grasp");
-  sub->add_option("--seed", settings->seed)->check(CLI::Range(0, 2000000))->capture_default_str();
-  sub->footer("Example:\n  stonestack-bench hold --picks 30 --seed 2");
-  measure_by(*sub, [settings](Results& results) { measure(*settings, results); });
+  settings->common.register_draw(*sub);
+  sub->footer(
+      "Examples:\n  stonestack-bench hold --picks 30 --seed 2\n"
+      "  stonestack-bench hold --generated 40 --picks 3 --set simulation.pad_friction_spread=0.15");
+  measure_by(*sub, [settings](Results& results) {
+    settings->common.settings.apply(
+        join({nest("motion", fields(settings->motion)), nest("simulation", fields(settings->simulation))}));
+    measure(*settings, results);
+  });
 }
 
 }  // namespace stonestack::bench
