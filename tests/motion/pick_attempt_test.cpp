@@ -93,6 +93,24 @@ TEST(PickAttempt, RetreatsLessUnderABoard) {
   EXPECT_GT(refused, 0) << "of some grasps the gripper would still be around the stone";
 }
 
+TEST(PickAttempt, TheArmsLinksKeepFromTheStoneThatTheGripperTouches) {
+  const UnderABoard cell(0.07, 1.5);
+  const Joints& q = cell.task.q_start;
+  const auto links_hit = [&](const Eigen::Vector3d& p_W, double padding) {
+    MotionOptions options;
+    options.transit_padding = padding;
+    const SceneObject stone{"block", cell.stone.pieces, Pose(Eigen::Translation3d(p_W))};
+    return links_beside(cell.scene, stone, options, 0.155).collides(q);
+  };
+  const Eigen::Vector3d p_W_fingers = cell.tool(q).translation();
+  const Eigen::Vector3d p_W_elbow = link_poses(cell.scene.robot, q)[3].translation();
+  EXPECT_FALSE(links_hit(p_W_fingers, 0.01));
+  EXPECT_TRUE(links_hit(p_W_elbow, 0.01));
+  const Eigen::Vector3d beside = p_W_elbow + Eigen::Vector3d(0.0, 0.0, 0.20);
+  EXPECT_FALSE(links_hit(beside, 0.0));
+  EXPECT_TRUE(links_hit(beside, 0.1)) << "as far as on a transit";
+}
+
 TEST(PickAttempt, DescendsNoFurtherThanTheGripperHasClearance) {
   UnderABoard cell(0.07, 1.2);
   cell.scene.objects.pop_back();

@@ -75,6 +75,15 @@ CollisionRules rules(double padding, double opening, int left_out) {
   return r;
 }
 
+CollisionChecker links_beside(const PlanningScene& scene, const SceneObject& stone,
+                              const MotionOptions& options, double opening) {
+  PlanningScene alone = scene;
+  alone.objects = {stone};
+  CollisionRules links = rules(options.transit_padding, opening, -1);
+  links.gripper_may_touch = {0, kTableObject};
+  return CollisionChecker(alone, links);
+}
+
 PickAttempt::PickAttempt(const PlanningScene& scene, const PickAndPlaceTask& task,
                          const MotionOptions& options, const Grasp& grasp)
     : scene_(spaced(scene, grasp.spacing)),
@@ -86,6 +95,9 @@ PickAttempt::PickAttempt(const PlanningScene& scene, const PickAndPlaceTask& tas
       opening_(grasp.pre_opening),
       holding_(grasp.opening),
       open_(scene_, rules(options.approach_padding, grasp.pre_opening, task.object)),
+      beside_picked_([this] { return links_beside(scene_, stone_at(task_.T_W_O_pick), options_, opening_); }),
+      beside_placed_(
+          [this] { return links_beside(scene_, stone_at(task_.T_W_O_place), options_, opening_); }),
       open_wide_([this] { return empty_gripper(options_.transit_padding); }),
       open_tight_([this] { return empty_gripper(options_.approach_padding); }),
       held_([this] { return loaded_gripper(options_.approach_padding); }),
@@ -162,22 +174,26 @@ std::optional<JointPath> PickAttempt::descend_past(const Joints& q) const {
 std::optional<JointPath> PickAttempt::retreat(const Joints& q) const {
   const auto back = [&](double share) -> std::optional<JointPath> {
     auto path = straight(q, backed(T_W_T_place_, share * options_.approach));
-    return path && is_free(open_, *path) ? path : std::nullopt;
+    return path && is_free(open_, *path) && is_free(beside_placed_.get(), *path) ? path : std::nullopt;
   };
   if (auto whole = back(1.0)) return whole;
   std::optional<CollisionChecker> clear;
   for (const double share : kShorterRetreats) {
     auto path = back(share);
     if (!path) continue;
-    if (!clear) clear.emplace(placed_alone(), rules(options_.transit_padding, opening_, -1));
+    if (!clear) clear.emplace(alone(task_.T_W_O_place), rules(options_.transit_padding, opening_, -1));
     if (!clear->collides(path->back())) return path;
   }
   return std::nullopt;
 }
 
-PlanningScene PickAttempt::placed_alone() const {
+SceneObject PickAttempt::stone_at(const Pose& T_W_O) const {
+  return {task_.stone->name, task_.stone->pieces, T_W_O};
+}
+
+PlanningScene PickAttempt::alone(const Pose& T_W_O) const {
   PlanningScene scene = scene_;
-  scene.objects = {{task_.stone->name, task_.stone->pieces, task_.T_W_O_place}};
+  scene.objects = {stone_at(T_W_O)};
   return scene;
 }
 
@@ -185,7 +201,7 @@ PlanningScene PickAttempt::placed_alone() const {
 PathFault PickAttempt::straight_parts(const Joints& q_pick, const Joints& q_place, PickPaths& paths) const {
   const double zone = std::min(kContactZone, kLiftHeight);
   const auto back = straight(q_pick, backed(T_W_T_pick_, options_.approach));
-  if (!back || !is_free(open_, *back)) return PathFault::kApproach;
+  if (!back || !is_free(open_, *back) || !is_free(beside_picked_.get(), *back)) return PathFault::kApproach;
   const auto lift = lifted(q_pick);
   if (!lift) return PathFault::kLift;
 

@@ -79,8 +79,9 @@ class PickAttempt {
   /// From the target straight back, or a part of that where the arm has no more clearance and the open
   /// gripper is far enough from the stone for a transit all the same.
   [[nodiscard]] std::optional<JointPath> retreat(const Joints& q) const;
-  /// The stone at its target and nothing else.
-  [[nodiscard]] PlanningScene placed_alone() const;
+  [[nodiscard]] SceneObject stone_at(const Pose& T_W_O) const;
+  /// The stone there and nothing else.
+  [[nodiscard]] PlanningScene alone(const Pose& T_W_O) const;
   [[nodiscard]] PathFault straight_parts(const Joints& q_pick, const Joints& q_place, PickPaths& paths) const;
   [[nodiscard]] std::optional<Transit> transit(const LazyChecker& wide, const LazyChecker& tight,
                                                const Joints& a, const Joints& b, Effort effort) const;
@@ -91,12 +92,17 @@ class PickAttempt {
   Pose T_W_T_pick_, T_W_T_place_, T_T_O_;
   double opening_, holding_;  ///< of the gripper before and after it holds the stone, and meanwhile [m]
   CollisionChecker open_;     ///< gripper open, the stone not there: approach, retreat
-  LazyChecker open_wide_;     ///< gripper open, the stone there: transit
-  LazyChecker open_tight_;    ///< the same with the padding of an approach
-  LazyChecker held_;          ///< stone in the gripper, padding of an approach
-  LazyChecker held_wide_;     ///< stone in the gripper, transit
+  LazyChecker beside_picked_, beside_placed_;  ///< the arm's links and the stone: approach, retreat
+  LazyChecker open_wide_;                      ///< gripper open, the stone there: transit
+  LazyChecker open_tight_;                     ///< the same with the padding of an approach
+  LazyChecker held_;                           ///< stone in the gripper, padding of an approach
+  LazyChecker held_wide_;                      ///< stone in the gripper, transit
 };
 
+/// The arm's links and a stone that stands there, with nothing else in the scene: on approach and retreat
+/// they keep from it as on a transit. The gripper is about to touch it, or just has, and may; the table, too.
+[[nodiscard]] CollisionChecker links_beside(const PlanningScene& scene, const SceneObject& stone,
+                                            const MotionOptions& options, double opening);
 /// Rules of a checker with that clearance [m] and opening [m], one object left out.
 [[nodiscard]] CollisionRules rules(double padding, double opening, int left_out);
 /// Times the paths. `pick` is the opening with the stone between the pads.
