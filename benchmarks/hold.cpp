@@ -225,7 +225,7 @@ void add_hold(CLI::App& app) {
       app.add_subcommand("hold", "Lifts and carries in the simulated cell: what stays in the gripper");
   sub->add_option("--generated", settings->generated,
                   "That many limestones of 7 to 14 cm made from the seed, instead of a catalogue")
-      ->check(CLI::Range(7, 1000));
+      ->check(CLI::Range(1, 1000));
   sub->add_option("--picks", settings->picks, "Lifts of each stone")
       ->check(CLI::Range(1, 999))
       ->capture_default_str();

@@ -81,6 +81,20 @@ TEST_F(BenchCommand, EveryBenchmarkReportsTablesAsData) {
   }
 }
 
+TEST_F(BenchCommand, LiftsDrawnStonesInAnySimulatedCell) {
+  const std::string lifts = "hold --generated 2 --picks 1 --pads-only --seed 4 --json";
+  const Outcome usual = run(lifts), slippery = run(lifts + " --set simulation.pad_friction=0.05");
+  ASSERT_EQ(usual.code, 0) << usual.err;
+  ASSERT_EQ(slippery.code, 0) << slippery.err;
+  const auto all = [](const Outcome& bench) {
+    return rows_of(bench.data(), "grasps chosen by pressed pads").back();
+  };
+  EXPECT_EQ(all(usual)["tried"], 2);
+  EXPECT_EQ(all(usual)["not_held"], 0);
+  EXPECT_GE(all(slippery)["not_held"].get<int>(), 1);
+  EXPECT_TRUE(rows_of(usual.data(), "grasps chosen by three contacts").is_null());
+}
+
 TEST_F(BenchCommand, AFolderWithoutScansIsNamed) {
   const Outcome bench = run("search --draws 1 --generated 0 --paper 0 --scans .");
   EXPECT_EQ(bench.code, 3);
