@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <tuple>
+
 #include "kinematics/inverse.hpp"
+#include "motion/cartesian.hpp"
 #include "motion/grasp_check.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 
@@ -93,22 +96,81 @@ TEST(PickAttempt, RetreatsLessUnderABoard) {
   EXPECT_GT(refused, 0) << "of some grasps the gripper would still be around the stone";
 }
 
+/// A checker of the arm's links beside the block.
+CollisionChecker links_beside_block(const UnderABoard& cell, const Pose& T_W_O, const Grasp* grasp,
+                                    double padding) {
+  PlanningScene alone = cell.scene;
+  if (grasp != nullptr) alone.gripper = with_spacing(alone.gripper, grasp->spacing);
+  alone.objects = {{"block", cell.stone.pieces, T_W_O}};
+  MotionOptions options;
+  options.transit_padding = padding;
+  return links_beside(alone, options, grasp != nullptr ? grasp->pre_opening : 0.155);
+}
+
 TEST(PickAttempt, TheArmsLinksKeepFromTheStoneThatTheGripperTouches) {
-  const UnderABoard cell(0.07, 1.5);
+  UnderABoard cell(0.07, 1.5);
   const Joints& q = cell.task.q_start;
-  const auto links_hit = [&](const Eigen::Vector3d& p_W, double padding) {
-    MotionOptions options;
-    options.transit_padding = padding;
-    const SceneObject stone{"block", cell.stone.pieces, Pose(Eigen::Translation3d(p_W))};
-    return links_beside(cell.scene, stone, options, 0.155).collides(q);
+  const auto hit = [&](const Eigen::Vector3d& p_W, double padding) {
+    return links_beside_block(cell, Pose(Eigen::Translation3d(p_W)), nullptr, padding).collides(q);
   };
-  const Eigen::Vector3d p_W_fingers = cell.tool(q).translation();
   const Eigen::Vector3d p_W_elbow = link_poses(cell.scene.robot, q)[3].translation();
-  EXPECT_FALSE(links_hit(p_W_fingers, 0.01));
-  EXPECT_TRUE(links_hit(p_W_elbow, 0.01));
-  const Eigen::Vector3d beside = p_W_elbow + Eigen::Vector3d(0.0, 0.0, 0.20);
-  EXPECT_FALSE(links_hit(beside, 0.0));
-  EXPECT_TRUE(links_hit(beside, 0.1)) << "as far as on a transit";
+  const Eigen::Vector3d p_W_above = p_W_elbow + Eigen::Vector3d(0.0, 0.0, 0.20);
+  EXPECT_FALSE(hit(cell.tool(q).translation(), 0.01));
+  EXPECT_TRUE(hit(p_W_elbow, 0.01));
+  EXPECT_FALSE(hit(p_W_above, 0.0));
+  EXPECT_TRUE(hit(p_W_above, 0.1)) << "as far as on a transit";
+  cell.scene.table_z = p_W_elbow.z() - 0.1;  // the forearm is in it
+  EXPECT_FALSE(hit(p_W_above, 0.0)) << "the table is another checker's";
+}
+
+/// A padding between what both ends keep: the one nearer to the base is refused.
+TEST(PickAttempt, NeitherApproachNorRetreatBringsTheLinksTooNearToTheStone) {
+  for (const auto& [x_pick, x_place, fault] :
+       {std::tuple(0.45, 0.85, PathFault::kApproach), std::tuple(0.85, 0.45, PathFault::kRetreat)}) {
+    UnderABoard cell(0.07, 1.5);
+    cell.task.T_W_O_pick.translation().x() = x_pick;
+    cell.task.T_W_O_place.translation().x() = x_place;
+    cell.scene.objects[0].T_W_object = cell.task.T_W_O_pick;
+    cell.scene.objects[1].T_W_object = Pose(Eigen::Translation3d(x_place, 0.28, 0.04));
+    const GraspFinder finder(cell.scene, cell.stone, cell.task.object, cell.task.T_W_O_pick);
+    bool found = false;
+    for (const int index : finder.check(cell.task.T_W_O_place).usable) {
+      const Grasp& grasp = finder.set().grasps[static_cast<std::size_t>(index)];
+      struct End {
+        Joints q;
+        double keeps = 0.0;  // m: largest padding with which the straight motion is free
+      };
+      const auto end = [&](const Pose& T_W_O) -> std::optional<End> {
+        const Pose T_R_T = cell.scene.T_W_R.inverse() * T_W_O * grasp.T_O_T;
+        for (const auto& s :
+             inverse(cell.scene.robot, T_R_T * cell.scene.T_F_T.inverse(), cell.task.q_start)) {
+          const auto path = straight_path(cell.scene.robot, cell.scene.T_F_T, s.q,
+                                          T_R_T * Eigen::Translation3d(0.0, 0.0, -MotionOptions{}.approach));
+          if (!path || !finder.arm_is_free(index, s.q)) continue;
+          double low = 0.0, high = 1.0;
+          while (high - low > 0.001) {
+            const double middle = 0.5 * (low + high);
+            (is_free(links_beside_block(cell, T_W_O, &grasp, middle), *path) ? low : high) = middle;
+          }
+          return End{s.q, low};
+        }
+        return std::nullopt;
+      };
+      const auto pick = end(cell.task.T_W_O_pick), place = end(cell.task.T_W_O_place);
+      if (!pick || !place) continue;
+      const bool pick_is_nearer = fault == PathFault::kApproach;
+      const double near = pick_is_nearer ? pick->keeps : place->keeps;
+      const double far = pick_is_nearer ? place->keeps : pick->keeps;
+      if (far - near < 0.01) continue;
+      MotionOptions options;
+      options.transit_padding = 0.5 * (near + far);
+      const PickAttempt attempt(cell.scene, cell.task, options, grasp);
+      EXPECT_EQ(attempt.try_joints(pick->q, place->q, PickAttempt::Effort::kLittle).fault, fault);
+      found = true;
+      break;
+    }
+    EXPECT_TRUE(found) << x_pick;
+  }
 }
 
 TEST(PickAttempt, DescendsNoFurtherThanTheGripperHasClearance) {

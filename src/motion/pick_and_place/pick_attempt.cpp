@@ -22,7 +22,8 @@ constexpr std::array kLifts{1.0, 0.5};   ///< of kLiftHeight, where the arm has 
 constexpr std::array kOut{0.03, 0.06};   ///< that a stone is taken out aslant before it goes up [m]
 constexpr int kWaysOut = 8;              ///< aslant, evenly about the vertical
 constexpr std::array kSlants{M_PI / 4, 5 * M_PI / 12};  ///< of them from the vertical [rad]
-constexpr double kRub = 0.005;  ///< of a way aslant on which the stone may touch what is beside it [m]
+constexpr double kRub = 0.005;      ///< of a way aslant on which the stone may touch what is beside it [m]
+constexpr double kFarBelow = 10.0;  ///< m: a table there is out of the way
 constexpr std::array kShorterRetreats{0.75, 0.5};  ///< of MotionOptions::approach, the same
 
 Pose raised(const Pose& T_W_T, double by) {
@@ -75,12 +76,10 @@ CollisionRules rules(double padding, double opening, int left_out) {
   return r;
 }
 
-CollisionChecker links_beside(const PlanningScene& scene, const SceneObject& stone,
-                              const MotionOptions& options, double opening) {
-  PlanningScene alone = scene;
-  alone.objects = {stone};
+CollisionChecker links_beside(PlanningScene alone, const MotionOptions& options, double opening) {
+  alone.table_z -= kFarBelow;
   CollisionRules links = rules(options.transit_padding, opening, -1);
-  links.gripper_may_touch = {0, kTableObject};
+  links.gripper_may_touch = {0};
   return CollisionChecker(alone, links);
 }
 
@@ -95,9 +94,8 @@ PickAttempt::PickAttempt(const PlanningScene& scene, const PickAndPlaceTask& tas
       opening_(grasp.pre_opening),
       holding_(grasp.opening),
       open_(scene_, rules(options.approach_padding, grasp.pre_opening, task.object)),
-      beside_picked_([this] { return links_beside(scene_, stone_at(task_.T_W_O_pick), options_, opening_); }),
-      beside_placed_(
-          [this] { return links_beside(scene_, stone_at(task_.T_W_O_place), options_, opening_); }),
+      beside_picked_([this] { return links_beside(alone(task_.T_W_O_pick), options_, opening_); }),
+      beside_placed_([this] { return links_beside(alone(task_.T_W_O_place), options_, opening_); }),
       open_wide_([this] { return empty_gripper(options_.transit_padding); }),
       open_tight_([this] { return empty_gripper(options_.approach_padding); }),
       held_([this] { return loaded_gripper(options_.approach_padding); }),
@@ -187,13 +185,9 @@ std::optional<JointPath> PickAttempt::retreat(const Joints& q) const {
   return std::nullopt;
 }
 
-SceneObject PickAttempt::stone_at(const Pose& T_W_O) const {
-  return {task_.stone->name, task_.stone->pieces, T_W_O};
-}
-
 PlanningScene PickAttempt::alone(const Pose& T_W_O) const {
   PlanningScene scene = scene_;
-  scene.objects = {stone_at(T_W_O)};
+  scene.objects = {{task_.stone->name, task_.stone->pieces, T_W_O}};
   return scene;
 }
 

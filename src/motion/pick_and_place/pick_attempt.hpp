@@ -79,7 +79,6 @@ class PickAttempt {
   /// From the target straight back, or a part of that where the arm has no more clearance and the open
   /// gripper is far enough from the stone for a transit all the same.
   [[nodiscard]] std::optional<JointPath> retreat(const Joints& q) const;
-  [[nodiscard]] SceneObject stone_at(const Pose& T_W_O) const;
   /// The stone there and nothing else.
   [[nodiscard]] PlanningScene alone(const Pose& T_W_O) const;
   [[nodiscard]] PathFault straight_parts(const Joints& q_pick, const Joints& q_place, PickPaths& paths) const;
@@ -99,10 +98,10 @@ class PickAttempt {
   LazyChecker held_wide_;                      ///< stone in the gripper, transit
 };
 
-/// The arm's links and a stone that stands there, with nothing else in the scene: on approach and retreat
-/// they keep from it as on a transit. The gripper is about to touch it, or just has, and may; the table, too.
-[[nodiscard]] CollisionChecker links_beside(const PlanningScene& scene, const SceneObject& stone,
-                                            const MotionOptions& options, double opening);
+/// The arm's links and the one stone of a scene, without the table: on approach and retreat they keep from it
+/// as on a transit. The gripper is about to touch it, or just has, and may.
+[[nodiscard]] CollisionChecker links_beside(PlanningScene alone, const MotionOptions& options,
+                                            double opening);
 /// Rules of a checker with that clearance [m] and opening [m], one object left out.
 [[nodiscard]] CollisionRules rules(double padding, double opening, int left_out);
 /// Times the paths. `pick` is the opening with the stone between the pads.
