@@ -220,10 +220,8 @@ Action choose(const Situation& s, RunMemory& memory) {
   if (const auto push = push_free(s, memory, Neighbours::kLasting)) return *push;
   do {
     if (const auto action = choose_placement(s, memory)) return *action;
-    if (s.basis == Basis::kPredicted) {
-      memory.search.reset();
+    if (s.basis == Basis::kPredicted)
       return Stop{RunEnd::kNoPose, "nothing is found for the world as predicted"};
-    }
     if (const auto push = push_free(s, memory, Neighbours::kAll)) return *push;
     if (const auto action = unstack(s, memory)) return *action;
   } while (retry_failed_grasps(s, memory));

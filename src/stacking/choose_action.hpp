@@ -52,8 +52,9 @@ enum class Basis { kObserved, kPredicted };
 /// goes on unstacking; clears the base; ends when the height is reached; places or reorients a stone by the
 /// search (src/stacking/choose_placement.hpp); unstacks where nothing fits; retries grasps that failed; ends.
 /// `listener` hears events as they happen.
-/// @param basis predicted: where the first search finds nothing, none follows at other frictions, nor with
-///     stones taken off, and the decision ends there with no `memory.search`
+/// @param basis predicted: where nothing is found the decision ends, without asking what could be taken off;
+///     where a tower's first search finds nothing, none follows at other frictions, and there is no
+///     `memory.search`
 /// @throws Interrupted and InvalidArgument for a world without resting stacks.
 [[nodiscard]] Decision choose_action(const WorldEstimate& world, const RunMemory& memory,
                                      const Models& models, const BuildOptions& options,
