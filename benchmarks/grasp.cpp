@@ -22,9 +22,8 @@
 namespace stonestack::bench {
 namespace {
 
-constexpr double kQuickMs = 300.0;          // the mark for a plan
-constexpr std::size_t kAngles = 6;          // ranges of 30 deg
-constexpr double kMin = 0.07, kMax = 0.14;  // m, of generated stones
+constexpr double kQuickMs = 300.0;  // the mark for a plan
+constexpr std::size_t kAngles = 6;  // ranges of 30 deg
 
 /// How tasks of one range of angles went.
 struct AngleTally {
@@ -226,11 +225,7 @@ void add_grasp(CLI::App& app) {
                       {"seed", command->common.seed}});
     if (command->generated == 0)
       return measure(command->common.read().stones, command->tasks, seed, command->motion, results);
-    std::vector<Stone> stones;
-    for (int k = 0; k < command->generated; ++k)
-      stones.push_back(
-          random_stone(100 * seed + static_cast<std::uint64_t>(k), concat("limestone ", k), kMin, kMax));
-    measure(stones, command->tasks, seed, command->motion, results);
+    measure(random_stones(seed, command->generated), command->tasks, seed, command->motion, results);
   });
 }
 

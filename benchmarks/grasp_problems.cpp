@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "geometry/convex_pieces.hpp"
+#include "stonestack/core/error.hpp"
 #include "stonestack/hardware/cell.hpp"
 #include "stonestack/stone/model_stone.hpp"
 
@@ -52,6 +53,15 @@ Stone random_stone(std::uint64_t seed, const std::string& name, double min_exten
   stone.mass = mass_properties(stone.scan, stone.density);
   stone.pieces = convex_pieces(stone.scan);
   return stone;
+}
+
+std::vector<Stone> random_stones(std::uint64_t seed, int count) {
+  constexpr double kMin = 0.07, kMax = 0.14;  // m
+  std::vector<Stone> stones;
+  for (int k = 0; k < count; ++k)
+    stones.push_back(
+        random_stone(100 * seed + static_cast<std::uint64_t>(k), concat("limestone ", k), kMin, kMax));
+  return stones;
 }
 
 Eigen::Quaterniond rest(const Stone& stone, Random& random) {

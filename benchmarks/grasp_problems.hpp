@@ -14,6 +14,9 @@ namespace stonestack::bench {
 [[nodiscard]] Stone random_stone(std::uint64_t seed, const std::string& name, double min_extent,
                                  double max_extent);
 
+/// So many of them, 7 to 14 cm long: "limestone 0" and so on.
+[[nodiscard]] std::vector<Stone> random_stones(std::uint64_t seed, int count);
+
 /// A random orientation rolled downhill until the centre of mass is at a local low.
 [[nodiscard]] Eigen::Quaterniond rest(const Stone& stone, Random& random);
 /// The stone with its lowest point at `z` and its centre of mass above `at`.

@@ -27,12 +27,11 @@
 namespace stonestack::bench {
 namespace {
 
-constexpr double kSlid = 0.005;                      // m in the gripper: more spoils the placement
-constexpr double kTurned = 3 * kDegree;              // the same
-constexpr double kLost = 0.05;                       // m: not in the gripper any more
-constexpr double kHeight = 0.15;                     // m, of the target above the table
-constexpr double kSpacing = 0.003;                   // m, between samples that pads press on
-constexpr double kShortest = 0.07, kLongest = 0.14;  // m, of generated stones
+constexpr double kSlid = 0.005;          // m in the gripper: more spoils the placement
+constexpr double kTurned = 3 * kDegree;  // the same
+constexpr double kLost = 0.05;           // m: not in the gripper any more
+constexpr double kHeight = 0.15;         // m, of the target above the table
+constexpr double kSpacing = 0.003;       // m, between samples that pads press on
 
 struct Settings {
   CommonOptions common;
@@ -165,6 +164,12 @@ void report(const std::string& name, const HoldTally& t, Results& results) {
                deg(0.5), deg(0.9), deg(1.0)});
 }
 
+/// Seed of the cell of a stone's k-th lift.
+int cell_seed(std::uint64_t seed, int k) {
+  constexpr std::uint64_t kSeeds = 2147483648;  // that a cell knows
+  return static_cast<int>((1000 * seed + static_cast<std::uint64_t>(k)) % kSeeds);
+}
+
 /// The lifts of every stone, with grasps that are chosen by one of two strategies.
 void measure(const std::vector<Stone>& stones, const Settings& settings, bool press_pads, Results& results) {
   MotionOptions options = settings.motion;
@@ -189,7 +194,7 @@ void measure(const std::vector<Stone>& stones, const Settings& settings, bool pr
     HoldTally tally;
     for (int k = 0; k < settings.picks; ++k) {
       throw_if_interrupted();
-      lift(stone, settings, options, static_cast<int>(settings.common.seed) * 1000 + k, tally, results);
+      lift(stone, settings, options, cell_seed(settings.common.seed, k), tally, results);
     }
     report(stone.name, tally, results);
     all.add(tally);
@@ -199,10 +204,7 @@ void measure(const std::vector<Stone>& stones, const Settings& settings, bool pr
 }
 
 void measure(const Settings& settings, Results& results) {
-  std::vector<Stone> stones;
-  for (int k = 0; k < settings.generated; ++k)
-    stones.push_back(random_stone(100 * settings.common.seed + static_cast<std::uint64_t>(k),
-                                  concat("limestone ", k), kShortest, kLongest));
+  std::vector<Stone> stones = random_stones(settings.common.seed, settings.generated);
   if (stones.empty()) stones = settings.common.read().stones;
   results.settings({{"picks", settings.picks},
                     {"stones", stones.size()},
