@@ -23,7 +23,7 @@ constexpr std::array kOut{0.03, 0.06};   ///< that a stone is taken out aslant b
 constexpr int kWaysOut = 8;              ///< aslant, evenly about the vertical
 constexpr std::array kSlants{M_PI / 4, 5 * M_PI / 12};  ///< of them from the vertical [rad]
 constexpr double kRub = 0.005;      ///< of a way aslant on which the stone may touch what is beside it [m]
-constexpr double kFarBelow = 10.0;  ///< m: a table there is out of the way
+constexpr double kFarBelow = 10.0;  ///< distance [m] at which a table is out of the way
 constexpr std::array kShorterRetreats{0.75, 0.5};  ///< of MotionOptions::approach, the same
 
 Pose raised(const Pose& T_W_T, double by) {
