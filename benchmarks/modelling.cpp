@@ -27,6 +27,7 @@ constexpr double kOtherSide = 0.35;   // rad between two attitudes on different 
 constexpr double kSamePlace = 0.02;   // m between where a stone is and where its model says
 constexpr double kUnderside = 0.010;  // m above the table: what other stones are stood on
 constexpr double kGate = 0.006;       // m between surfaces that are brought together to compare them
+constexpr double kBump = 0.008;       // m around a vertex, within which others tell what errors are smooth
 
 /// Brings `from` to lie on `onto` (iterated closest points, point to plane), from a pose near it.
 Pose aligned(const Mesh& from, const SurfaceTree& onto, Pose T_onto_from) {
@@ -76,12 +77,28 @@ struct ModellingTally {
   std::vector<double> median, worst, seconds, host;
   std::vector<double> of_seen, of_unseen, of_underside;  ///< errors over the model's standard deviations
   std::vector<double> below;  ///< distances of the true surface outside of what was completed [m]
+  std::vector<double> bumps;  ///< errors of what was seen against the mean around them [m]
 };
 
 double root_mean_square(const std::vector<double>& list) {
   double sum = 0.0;
   for (const double value : list) sum += value * value;
   return list.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(list.size()));
+}
+
+/// Adds the errors of seen vertices against the mean error of those around them: bumps that the stone has
+/// not.
+void add_bumps(const std::vector<Eigen::Vector3d>& vertices, const std::vector<double>& errors,
+               ModellingTally& tally) {
+  for (std::size_t v = 0; v < vertices.size(); ++v) {
+    double sum = 0.0, count = 0.0;
+    for (std::size_t w = 0; w < vertices.size(); ++w) {
+      if ((vertices[v] - vertices[w]).squaredNorm() > kBump * kBump) continue;
+      sum += errors[w];
+      ++count;
+    }
+    tally.bumps.push_back(errors[v] - sum / count);
+  }
 }
 
 /// Compares the errors of a model with what it says of them. `T_true_model` brings it onto the true surface.
@@ -91,15 +108,22 @@ void compare_uncertainty(const Stone& model, const SurfaceTree& truth, const Pos
   const Eigen::Vector3d& up_O = model.surface->up_O_at_rest.front();
   double lowest = 1e9;
   for (const auto& p : model.scan.vertices) lowest = std::min(lowest, up_O.dot(p));
+  std::vector<Eigen::Vector3d> seen;
+  std::vector<double> seen_errors;
   for (std::size_t v = 0; v < model.scan.vertices.size(); ++v) {
     const Eigen::Vector3d& p = model.scan.vertices[v];
     const double error = -truth.nearest(T_true_model * p).distance;
     const double ratio = error / model.surface->sigma[v];
     (model.surface->seen[v] != 0 ? tally.of_seen : tally.of_unseen).push_back(ratio);
-    if (model.surface->seen[v] != 0) continue;
+    if (model.surface->seen[v] != 0) {
+      seen.push_back(p);
+      seen_errors.push_back(error);
+      continue;
+    }
     tally.below.push_back(error);
     if (up_O.dot(p) - lowest < kUnderside) tally.of_underside.push_back(ratio);
   }
+  add_bumps(seen, seen_errors, tally);
 }
 
 void model_run(const ModellingCommand& command, std::uint64_t seed, const std::vector<Stone>& stones,
@@ -208,14 +232,15 @@ void measure_modelling(const ModellingCommand& command, Results& results) {
                         {"unseen_errors_over_sigma", 2},
                         {"underside_errors_over_sigma", 2},
                         {"unseen_outside_mm", 2},
+                        {"bumps_mm", 2},
                         {"robot_seconds_a_stone", 0},
                         {"host_seconds_a_run", 0}});
   const auto mid = [](const std::vector<double>& list) { return list.empty() ? 0.0 : quantile(list, 0.5); };
   results.row({tally.wanted, tally.modelled, tally.lies_otherwise, tally.turned, tally.placed, tally.within,
                tally.stopped, tally.foreign, 1e3 * mid(tally.median), 1e3 * mid(tally.worst),
                root_mean_square(tally.of_seen), root_mean_square(tally.of_unseen),
-               root_mean_square(tally.of_underside), 1e3 * mid(tally.below), mid(tally.seconds),
-               mid(tally.host)});
+               root_mean_square(tally.of_underside), 1e3 * mid(tally.below),
+               1e3 * root_mean_square(tally.bumps), mid(tally.seconds), mid(tally.host)});
 }
 
 }  // namespace

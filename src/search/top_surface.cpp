@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "search/held_support.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::search {
@@ -123,16 +124,17 @@ std::vector<Rest> rests_of(const ShapeList& shapes, const Stack& stack) {
 
 std::vector<Interface> interfaces(const StackBodies& stack) {
   const std::vector<BodyPose>& bodies = stack.bodies;
+  const std::vector<Rest> held = held_rests(bodies, stack.held);
   std::vector<Interface> list(bodies.size());
   for (std::size_t k = 0; k < bodies.size(); ++k) {
-    list[k].rest = k < stack.rests.size() ? stack.rests[k]
-                                          : estimated_rest(k == 0 ? nullptr : &bodies[k - 1], bodies[k]);
+    list[k].rest = k < held.size()          ? held[k]
+                   : k < stack.rests.size() ? stack.rests[k]
+                                            : estimated_rest(k == 0 ? nullptr : &bodies[k - 1], bodies[k]);
     for (std::size_t m = k; m < bodies.size(); ++m) {
       list[k].mass_above += bodies[m].stone->mass;
       list[k].moment_above += bodies[m].stone->mass * bodies[m].p_W_M;
     }
   }
-  list.erase(list.begin(), list.begin() + stack.held);
   return list;
 }
 

@@ -59,13 +59,12 @@ struct Interface {
 struct StackBodies {
   std::vector<BodyPose> bodies;
   std::vector<Rest> rests;
-  int held = 0;  ///< of the lowest, which do not tip over
+  int held = 0;  ///< of the lowest, of which nobody knows where they rest: `held_rests`
 };
 /// Where each stone of a stack at rest touches what is below it, by the scans themselves. A raster passes
 /// over sharp corners: a stone on three of them seems to rest on one or two.
 [[nodiscard]] std::vector<Rest> rests_of(const ShapeList& shapes, const Stack& stack);
-/// One for each stone of the stack that is not held; estimated: what is within 0.8 mm of the nearest, seen
-/// every 3 mm.
+/// One for each stone of the stack; estimated: what is within 0.8 mm of the nearest, seen every 3 mm.
 [[nodiscard]] std::vector<Interface> interfaces(const StackBodies& stack);
 /// Horizontal acceleration (g) at which the stack tips over one of its interfaces once a mass is put on top.
 [[nodiscard]] double tipping_limit(std::span<const Interface> interfaces, double mass,

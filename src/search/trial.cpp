@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "physics/settle.hpp"
+#include "search/held_support.hpp"
 #include "search/parallel.hpp"
 #include "search/pose_cost.hpp"
 #include "search/rest_uncertainty.hpp"
@@ -144,8 +146,17 @@ StandOptions displaced_verdict(const SearchContext& context, const Stack& stack,
   return stand;
 }
 
+/// Is what stands on the held stones of a tower in the k-th of the worlds too much for them?
+bool tips_held_stones(const SearchContext& context, const Stack& stack, int k) {
+  const int held = context.problem->held;
+  return context.tower && held > 0 &&
+         tips_held(bodies_of(context, stack), stack.stones, held,
+                   static_cast<std::uint64_t>(context.options->seed), k);
+}
+
 /// Does a stack stand in the k-th of the worlds?
 bool stands(const SearchContext& context, const ShapeList& shapes, const Stack& stack, int k, bool may_rock) {
+  if (tips_held_stones(context, stack, k)) return false;
   const StandVerdict verdict = judge_stack(shapes, stack, displaced_verdict(context, stack, k, may_rock));
   return verdict.stands && (verdict.clean || !context.tower);
 }
@@ -166,9 +177,10 @@ Fate try_world(const SearchContext& context, const Candidate& candidate, int k) 
         standing_when_shaken(shapes.list, higher, displaced_verdict(context, higher, k, trial.may_rock));
     return left == static_cast<int>(higher.stones.size()) ? Fate::kOutlasts : Fate::kStands;
   }
-  const bool com_may_err = context.options->com_sigma > 0.0 && !below.stones.empty();
-  return com_may_err && !stands(context, context.shapes(), below, k, trial.may_rock) ? Fate::kUndecidable
-                                                                                     : Fate::kFalls;
+  const bool below_may_fall =
+      !below.stones.empty() && (context.options->com_sigma > 0.0 || context.problem->held > 0);
+  return below_may_fall && !stands(context, context.shapes(), below, k, trial.may_rock) ? Fate::kUndecidable
+                                                                                        : Fate::kFalls;
 }
 
 /// Forces on the whole stack as it stands, but for what is held.
@@ -177,6 +189,17 @@ Equilibrium balance_of(const SearchContext& context, const Stack& stack) {
   statics.friction = context.options->friction;
   statics.min_friction = false;
   return stack_equilibrium(context.shapes(), stack, statics, context.problem->held);
+}
+
+/// Horizontal acceleration (g) at which held stones of a tower tip over with a stone put upon the stack,
+/// where they rest as is usual.
+double limit_of_held(const SearchContext& context, const Stack& below, const PlacedStone& placed) {
+  const auto held = static_cast<std::size_t>(context.problem->held);
+  if (!context.tower || held == 0) return std::numeric_limits<double>::infinity();
+  const std::vector<BodyPose> bodies = bodies_of(context, below);
+  const std::vector<Interface> all = interfaces({bodies, {}, context.problem->held});
+  return tipping_limit(std::span(all).first(held), at(context.geometry, placed.stone).mass,
+                       com_of(context, placed));
 }
 
 Trial dropped(Trial trial, const std::string& why) {
@@ -198,6 +221,7 @@ Trial settled_trial(const SearchContext& context, const Stack& below, Trial tria
   if (!balance.stands) return dropped(std::move(trial), "no contact forces hold the stack");
   if (balance.margin < context.options->min_margin)
     return dropped(std::move(trial), concat("bears less than ", context.options->min_margin, " g sideways"));
+  trial.margin = std::min(trial.margin, limit_of_held(context, below, {trial.stone, at_rest.T_W_O}));
   trial.turn_sigma = rest_uncertainty(context, below, {trial.stone, at_rest.T_W_O}, at_rest.contacts);
   if (trial.turn_sigma > 0.0) trial.placement.terms["turn_sigma"] = trial.turn_sigma;
   trial.score = std::min(trial.margin, context.options->friction) + trial.look_ahead;

@@ -418,15 +418,15 @@ TEST(FindNextPose, RefusesAStackThatFalls) {
 
 TEST(FindNextPose, BuildsOnAStackThatIsHeldThoughItCannotStand) {
   SearchProblem problem = base_stands();
-  problem.stack.stones.push_back({1_stone, at(0.075, 0, 0.085)});  // its centre lies beside the base
+  problem.stack.stones.push_back({1_stone, at(0, 0, 0.105)});  // 2 cm above the base
   std::erase_if(problem.available, [](const PlacedStone& stone) { return stone.stone == 1_stone; });
   EXPECT_TRUE(find_next_pose(problem, quick()).best.empty());
   problem.held = 2;
   const SearchResult result = find_next_pose(problem, quick());
   ASSERT_FALSE(result.best.empty()) << result.reason;
   const Placement& top = result.best.front();
-  EXPECT_NEAR(top.T_W_O.translation().z(), 0.13, 0.03);
-  EXPECT_LT((top.T_W_O.translation() - Eigen::Vector3d(0.075, 0, 0.11)).head<2>().norm(), 0.05);
+  EXPECT_NEAR(top.T_W_O.translation().z(), 0.15, 0.03);
+  EXPECT_LT(top.T_W_O.translation().head<2>().norm(), 0.02) << "upon its middle";
   EXPECT_GT(top.predicted_success, 0.9);
   EXPECT_GT(top.terms.at("margin"), 0.0);
   const TowerPlan plan = plan_tower(problem, 1, quick());
@@ -435,11 +435,28 @@ TEST(FindNextPose, BuildsOnAStackThatIsHeldThoughItCannotStand) {
 
 TEST(FindNextPose, AStoneThatDoesNotStandFallsFromAHeldStack) {
   SearchProblem problem = base_stands();
-  problem.stack.stones.push_back({1_stone, at(0.075, 0, 0.085)});
+  problem.stack.stones.push_back({1_stone, at(0, 0, 0.105)});
   problem.available = {{2_stone, at(0.4, 0.3, 0.02)}};
   problem.held = 2;
-  EXPECT_EQ(follow_plan(problem, {{2_stone, at(0.075, 0, 0.13)}}, quick()).best.size(), 1U);
-  EXPECT_TRUE(follow_plan(problem, {{2_stone, at(0.14, 0, 0.13)}}, quick()).best.empty());
+  EXPECT_EQ(follow_plan(problem, {{2_stone, at(0, 0, 0.15)}}, quick()).best.size(), 1U);
+  EXPECT_TRUE(follow_plan(problem, {{2_stone, at(0.065, 0, 0.15)}}, quick()).best.empty());
+}
+
+TEST(FindNextPose, AStoneBesideTheMiddleOfAHeldStackMayTipIt) {
+  SearchProblem problem = base_stands();
+  problem.stack.stones.push_back({1_stone, at(0, 0, 0.105)});
+  problem.available = {{2_stone, at(0.4, 0.3, 0.02)}};
+  problem.held = 2;
+  SearchOptions options = quick();
+  options.min_success = 0.0;
+  const auto success = [&](double x) {
+    const SearchResult found = follow_plan(problem, {{2_stone, at(x, 0, 0.15)}}, options);
+    return found.best.empty() ? -1.0 : found.best.front().predicted_success;
+  };
+  EXPECT_GT(success(0.0), 0.9);
+  const double askew = success(0.03);  // upon the upper stone, which is 10 cm wide
+  EXPECT_GE(askew, 0.0);
+  EXPECT_LT(askew, 0.6);
 }
 
 TEST(FindNextPose, BuildsOnAStackMeasuredAMillimetreOff) {
