@@ -112,8 +112,8 @@ struct SearchProblem {
   Stack stack;                    ///< what stands (measured)
   bool stack_is_at_rest = false;  ///< it stands as it is at the friction of the options: not settled again
   /// Stones of the stack, from the table up, that stand as they were measured, though by their shapes, part
-  /// of which are guesses, they cannot: they are held where they are, and only what comes upon them is
-  /// judged. Where any is held, the stack is not settled.
+  /// of which are guesses, they cannot: they are held where they are, and what comes upon them must not
+  /// tip them, by margins that are drawn (towers). Where any is held, the stack is not settled.
   int held = 0;
   std::vector<PlacedStone>
       available;  ///< loose stones, with their detected poses (paper: initial orientation)
