@@ -16,22 +16,10 @@ constexpr double kMargin = 0.006;
 constexpr double kMarginSpread = 0.7;
 constexpr int kCorners = 8;
 
-/// Mass, and mass times centre of mass, of bodies.
-struct Load {
-  double mass = 0.0;
-  Eigen::Vector3d moment = Eigen::Vector3d::Zero();
-
-  void add(const BodyPose& body) {
-    mass += body.stone->mass;
-    moment += body.stone->mass * body.p_W_M;
-  }
-  [[nodiscard]] Eigen::Vector2d centre() const { return (moment / mass).head<2>(); }
-};
-
-Load load_of(std::span<const BodyPose> bodies) {
-  Load load;
-  for (const BodyPose& body : bodies) load.add(body);
-  return load;
+/// Centre of mass of bodies, seen from above.
+Eigen::Vector2d centre_of(std::span<const BodyPose> bodies) {
+  const Interface under = interface_under(bodies);
+  return (under.moment_above / under.mass_above).head<2>();
 }
 
 double lowest_point(const BodyPose& body) {
@@ -43,20 +31,21 @@ double lowest_point(const BodyPose& body) {
 
 }  // namespace
 
-std::vector<Rest> held_rests(std::span<const BodyPose> bodies, int held) {
+std::vector<Interface> held_interfaces(std::span<const BodyPose> bodies, int held) {
   const auto count = static_cast<std::size_t>(held);
   require(count <= bodies.size(), "of ", bodies.size(), " bodies ", held, " cannot be held");
-  std::vector<Rest> rests(count);
+  std::vector<Interface> list;
   for (std::size_t k = 0; k < count; ++k) {
-    const Eigen::Vector2d p_W = load_of(bodies.subspan(k, count - k)).centre();
+    const Eigen::Vector2d p_W = centre_of(bodies.subspan(k, count - k));
     std::vector<Eigen::Vector2d> corners;
     for (int c = 0; c < kCorners; ++c) {
       const double angle = 2.0 * M_PI * c / kCorners;
       corners.push_back(p_W + kMargin * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
     }
-    rests[k] = {convex_hull(std::move(corners)), lowest_point(bodies[k])};
+    Interface& support = list.emplace_back(interface_under(bodies.subspan(k)));
+    support.rest = {convex_hull(std::move(corners)), lowest_point(bodies[k])};
   }
-  return rests;
+  return list;
 }
 
 bool tips_held(std::span<const BodyPose> bodies, std::span<const PlacedStone> stones, int held,
@@ -65,8 +54,8 @@ bool tips_held(std::span<const BodyPose> bodies, std::span<const PlacedStone> st
   require(count <= bodies.size() && stones.size() == bodies.size(), "of ", bodies.size(), " bodies ", held,
           " cannot be held");
   for (std::size_t k = 0; k < count; ++k) {
-    const Eigen::Vector2d before = load_of(bodies.subspan(k, count - k)).centre();
-    const Eigen::Vector2d now = load_of(bodies.subspan(k)).centre();
+    const Eigen::Vector2d before = centre_of(bodies.subspan(k, count - k));
+    const Eigen::Vector2d now = centre_of(bodies.subspan(k));
     Random random = Random::stream(seed, concat("support of held stone ", stones[k].stone, " ", world));
     if ((now - before).norm() > kMargin * std::exp(random.normal(0.0, kMarginSpread))) return true;
   }

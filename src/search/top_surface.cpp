@@ -122,18 +122,22 @@ std::vector<Rest> rests_of(const ShapeList& shapes, const Stack& stack) {
   return rests;
 }
 
+Interface interface_under(std::span<const BodyPose> bodies) {
+  Interface under;
+  for (const BodyPose& body : bodies) {
+    under.mass_above += body.stone->mass;
+    under.moment_above += body.stone->mass * body.p_W_M;
+  }
+  return under;
+}
+
 std::vector<Interface> interfaces(const StackBodies& stack) {
   const std::vector<BodyPose>& bodies = stack.bodies;
-  const std::vector<Rest> held = held_rests(bodies, stack.held);
-  std::vector<Interface> list(bodies.size());
-  for (std::size_t k = 0; k < bodies.size(); ++k) {
-    list[k].rest = k < held.size()          ? held[k]
-                   : k < stack.rests.size() ? stack.rests[k]
-                                            : estimated_rest(k == 0 ? nullptr : &bodies[k - 1], bodies[k]);
-    for (std::size_t m = k; m < bodies.size(); ++m) {
-      list[k].mass_above += bodies[m].stone->mass;
-      list[k].moment_above += bodies[m].stone->mass * bodies[m].p_W_M;
-    }
+  std::vector<Interface> list = held_interfaces(bodies, stack.held);
+  for (std::size_t k = list.size(); k < bodies.size(); ++k) {
+    Interface& under = list.emplace_back(interface_under(std::span(bodies).subspan(k)));
+    under.rest = k < stack.rests.size() ? stack.rests[k]
+                                        : estimated_rest(k == 0 ? nullptr : &bodies[k - 1], bodies[k]);
   }
   return list;
 }

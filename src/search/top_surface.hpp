@@ -54,12 +54,14 @@ struct Interface {
   Eigen::Vector3d moment_above  ///< mass times centre of mass [kg m]
       = Eigen::Vector3d::Zero();
 };
+/// Below bodies, with what it carries; where the lowest of them rests is left open.
+[[nodiscard]] Interface interface_under(std::span<const BodyPose> bodies);
 /// A stack, and where the lowest of its stones rest as far as that is known. Where it is not, as with stones
 /// that are only proposed, it is estimated on a raster.
 struct StackBodies {
   std::vector<BodyPose> bodies;
   std::vector<Rest> rests;
-  int held = 0;  ///< of the lowest, of which nobody knows where they rest: `held_rests`
+  int held = 0;  ///< of the lowest, of which nobody knows where they rest: `held_interfaces`
 };
 /// Where each stone of a stack at rest touches what is below it, by the scans themselves. A raster passes
 /// over sharp corners: a stone on three of them seems to rest on one or two.

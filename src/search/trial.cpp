@@ -191,15 +191,11 @@ Equilibrium balance_of(const SearchContext& context, const Stack& stack) {
   return stack_equilibrium(context.shapes(), stack, statics, context.problem->held);
 }
 
-/// Horizontal acceleration (g) at which held stones of a tower tip over with a stone put upon the stack,
-/// where they rest as is usual.
-double limit_of_held(const SearchContext& context, const Stack& below, const PlacedStone& placed) {
-  const auto held = static_cast<std::size_t>(context.problem->held);
+/// Horizontal acceleration (g) at which a tower tips over held stones that rest as is usual; endless without.
+double limit_of_held(const SearchContext& context, const Stack& stack) {
+  const int held = context.problem->held;
   if (!context.tower || held == 0) return std::numeric_limits<double>::infinity();
-  const std::vector<BodyPose> bodies = bodies_of(context, below);
-  const std::vector<Interface> all = interfaces({bodies, {}, context.problem->held});
-  return tipping_limit(std::span(all).first(held), at(context.geometry, placed.stone).mass,
-                       com_of(context, placed));
+  return tipping_limit(held_interfaces(bodies_of(context, stack), held), 0.0, Eigen::Vector3d::Zero());
 }
 
 Trial dropped(Trial trial, const std::string& why) {
@@ -221,7 +217,7 @@ Trial settled_trial(const SearchContext& context, const Stack& below, Trial tria
   if (!balance.stands) return dropped(std::move(trial), "no contact forces hold the stack");
   if (balance.margin < context.options->min_margin)
     return dropped(std::move(trial), concat("bears less than ", context.options->min_margin, " g sideways"));
-  trial.margin = std::min(trial.margin, limit_of_held(context, below, {trial.stone, at_rest.T_W_O}));
+  trial.margin = std::min(trial.margin, limit_of_held(context, with(below, trial.stone, at_rest.T_W_O)));
   trial.turn_sigma = rest_uncertainty(context, below, {trial.stone, at_rest.T_W_O}, at_rest.contacts);
   if (trial.turn_sigma > 0.0) trial.placement.terms["turn_sigma"] = trial.turn_sigma;
   trial.score = std::min(trial.margin, context.options->friction) + trial.look_ahead;

@@ -433,6 +433,20 @@ TEST(FindNextPose, BuildsOnAStackThatIsHeldThoughItCannotStand) {
   EXPECT_EQ(plan.placements.size(), 1U) << plan.reason;
 }
 
+TEST(FindNextPose, AHeldStackThatLeansOutIsLessSure) {
+  SearchProblem problem = base_stands();
+  problem.stack.stones.push_back({1_stone, at(0.075, 0, 0.085)});  // its centre lies beside the base
+  problem.available = {{2_stone, at(0.4, 0.3, 0.02)}};
+  SearchOptions options = quick();
+  options.min_success = 0.0;
+  EXPECT_TRUE(find_next_pose(problem, options).best.empty());
+  problem.held = 2;
+  const SearchResult result = find_next_pose(problem, options);
+  ASSERT_FALSE(result.best.empty()) << result.reason;
+  EXPECT_NEAR(result.best.front().T_W_O.translation().z(), 0.13, 0.03);
+  EXPECT_LT(result.best.front().predicted_success, 0.9) << "no place keeps to the middle of both";
+}
+
 TEST(FindNextPose, AStoneThatDoesNotStandFallsFromAHeldStack) {
   SearchProblem problem = base_stands();
   problem.stack.stones.push_back({1_stone, at(0, 0, 0.105)});

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "box_scenes.hpp"
 
 namespace stonestack::search {
@@ -41,13 +43,20 @@ struct HeldBoxes {
 
 TEST(HeldSupport, LiesAboutTheCentreOfMassOfWhatItCarries) {
   const HeldBoxes held;
-  const std::vector<Rest> rests = held_rests(held.bodies, 2);
-  ASSERT_EQ(rests.size(), 2U);
+  const std::vector<Interface> list = held_interfaces(held.bodies, 2);
+  ASSERT_EQ(list.size(), 2U);
   const Eigen::Vector2d of_both(0.004, 0.0), of_upper(0.02, 0.0);
-  EXPECT_NEAR(margin(rests[0].polygon_W, of_both), 0.0055, 0.0005);
-  EXPECT_NEAR(margin(rests[1].polygon_W, of_upper), 0.0055, 0.0005);
-  EXPECT_NEAR(rests[0].z, 0.0, 1e-12);
-  EXPECT_NEAR(rests[1].z, 0.1, 1e-12);
+  EXPECT_NEAR(margin(list[0].rest.polygon_W, of_both), 0.0055, 0.0005);
+  EXPECT_NEAR(margin(list[1].rest.polygon_W, of_upper), 0.0055, 0.0005);
+  EXPECT_NEAR(list[0].mass_above, 10.0, 1e-9);
+  EXPECT_NEAR(list[1].mass_above, 2.0, 1e-9);
+  EXPECT_NEAR(list[0].rest.z, 0.0, 1e-12);
+  EXPECT_NEAR(list[1].rest.z, 0.1, 1e-12);
+}
+
+/// Chance that a lognormal margin, 6 mm in the median, is exceeded.
+double exceeded(double shift) {
+  return 0.5 * std::erfc(-std::log(shift / 0.006) / 0.7 / std::sqrt(2.0));
 }
 
 TEST(HeldSupport, TipsUnderWhatLiesBesideItsMiddle) {
@@ -56,16 +65,15 @@ TEST(HeldSupport, TipsUnderWhatLiesBesideItsMiddle) {
   near.add({0.026, 0, 0.175});
   far.add({0.06, 0, 0.175});
   EXPECT_EQ(alone.tipped(), 0.0) << "they stand";
-  EXPECT_LT(centred.tipped(), 0.2);
-  EXPECT_LT(centred.tipped(), near.tipped());
-  EXPECT_LT(near.tipped(), 0.5);
+  EXPECT_NEAR(centred.tipped(), exceeded(0.08 / 12 - 0.004), 0.04) << "above the lower one alone";
+  EXPECT_NEAR(near.tipped(), 1.0 - (1.0 - exceeded(0.092 / 12 - 0.004)) * (1.0 - exceeded(0.003)), 0.05);
   EXPECT_GT(far.tipped(), 0.9);
 }
 
 TEST(HeldSupport, OnlyHeldStonesHaveIt) {
   HeldBoxes boxes;
   boxes.add({0.06, 0, 0.175});
-  EXPECT_TRUE(held_rests(boxes.bodies, 0).empty());
+  EXPECT_TRUE(held_interfaces(boxes.bodies, 0).empty());
   EXPECT_FALSE(tips_held(boxes.bodies, boxes.stones, 0, 7, 0));
   const std::vector<Interface> list = interfaces({boxes.bodies, {}, 2});
   ASSERT_EQ(list.size(), 3U);
