@@ -5,7 +5,6 @@
 #include "detection/scene/preprocess.hpp"
 #include "modelling/constants.hpp"
 #include "modelling/distance_volume.hpp"
-#include "modelling/smooth_seen.hpp"
 #include "modelling/surface_of_volume.hpp"
 #include "modelling/view_normals.hpp"
 #include "stonestack/core/error.hpp"
@@ -140,7 +139,6 @@ ObjectModel model_object(std::span<const LyingObject> lying, const ModellingOpti
     model.seen.push_back(weight >= kSeenWeight ? 1 : 0);
     model.sigma.push_back(std::hypot(kPoseSigma, kSigmaOfOne / std::sqrt(std::max(weight, kSeenWeight))));
   }
-  smooth_seen(model.mesh, model.seen);
   const std::vector<double> away = distance_to_seen(model.mesh, model.seen);
   for (std::size_t v = 0; v < away.size(); ++v)
     if (model.seen[v] == 0) model.sigma[v] = kSigmaUnseen + kUnseenSlope * std::min(away[v], 0.5);
