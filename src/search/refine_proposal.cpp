@@ -30,11 +30,9 @@ struct Round {
   int u = 0, v = 0;  ///< offset of the best neighbour, 0 if none is better
 };
 
-Round set_down(const Proposal& proposal, const Eigen::Matrix3d& R_W_O, const StackField& stack,
+Round set_down(const StoneGeometry& stone, const Underside& underside, const StackField& stack,
                const OffsetGrid& offsets, double sigma) {
   GapField buffer;
-  const StoneGeometry& stone = *proposal.body.stone;
-  const Underside underside = make_underside(stone.vertices_M, stone.faces, R_W_O, underside_options(stack));
   Round round;
   if (offsets.n == 0) {
     round.landing = land_on_table(stack, underside, &buffer);
@@ -71,8 +69,13 @@ Refined refined(const Proposal& start, const StackField& fine, bool on_table, co
   offsets.n = on_table ? 0 : 3;
   offsets.step = 1;
   const int limit = static_cast<int>(std::ceil((kOffsetReach + 0.01) / heights.cell)) - offsets.n;
+  const StoneGeometry& stone = *start.body.stone;
+  const auto underside_at = [&](const Eigen::Matrix3d& R_W_O) {
+    return make_underside(stone.vertices_M, stone.faces, R_W_O, underside_options(fine));
+  };
+  Underside underside = underside_at(R);
   for (int k = 0; k < kRounds; ++k) {
-    const Round round = set_down(start, R, fine, offsets, options.placement_sigma_translation);
+    const Round round = set_down(stone, underside, fine, offsets, options.placement_sigma_translation);
     result.evaluated += static_cast<long>((2 * offsets.n + 1) * (2 * offsets.n + 1));
     const double tilt = std::hypot(round.landing.a, round.landing.b);
     if (round.landing.holds && tilt < 2.0 * kLevel && round.robust > best.robust) {
@@ -88,6 +91,7 @@ Refined refined(const Proposal& start, const StackField& fine, bool on_table, co
       offsets.j = std::clamp(offsets.j + round.v, -limit, limit);
     } else {
       R = levelled(R, round.landing);
+      underside = underside_at(R);
     }
   }
   return result;

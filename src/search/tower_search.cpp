@@ -85,8 +85,8 @@ TowerSearch::Followed TowerSearch::follow(std::span<const PlacedStone> plan) {
     higher = climb(top, *next);
     if (higher.node >= 0) top = higher.node;
   }
-  predict(tree_.path_to(top));
   if (top == 0 || higher.node < 0) return {false, higher.reason};
+  predict(tree_.path_to(top));
   best_ = top;
   for (const int k : tree_.path_to(top))
     if (!tree_.node(k).trial.alive) return {false, tree_.node(k).trial.outcome};
@@ -156,7 +156,8 @@ void TowerSearch::predict(std::span<const int> nodes, bool closely) {
     const bool sure = node.predicted && node.trial.placement.predicted_success >= 1.0;
     if (!node.judged || !node.trial.alive || (closely ? sure : node.predicted)) continue;
     tried.push_back(k);
-    candidates.push_back({&tree_.node(node.parent).stack, &node.trial, context_.firm() && tree_.finished(k)});
+    TowerNode& below = tree_.node(node.parent);
+    candidates.push_back({&below.stack, &node.trial, context_.firm() && tree_.finished(k), &below.stands_in});
   }
   std::vector<Trial> trials =
       predicted_trials(context_, candidates, (closely ? kCloser : 1) * o.perturbations);
@@ -255,7 +256,7 @@ void TowerSearch::grow(std::span<const int> nodes) {
 }
 
 std::string TowerSearch::reason() const {
-  const int level = tree_.node(best_).level + 1;  // where it ended
+  const int level = tree_.node(highest()).level + 1;  // where it ended
   std::map<std::string, int> count;
   int all = 0;
   for (const Dropped& dropped : dropped_) {

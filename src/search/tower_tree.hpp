@@ -15,7 +15,8 @@ struct TowerNode {
   bool predicted = false;  ///< tried in displaced worlds
   int grown = 0;           ///< times that it got children
   int grown_children = 0;
-  std::vector<Proposal> spare;  ///< proposals for the next stone that were not tried yet
+  std::map<int, bool> stands_in;  ///< Candidate::below_stands of what is put on it
+  std::vector<Proposal> spare;    ///< proposals for the next stone that were not tried yet
 };
 
 /// Towers grown stone by stone. Keeps every node, so that a search may come back to what it left aside.
@@ -62,7 +63,7 @@ class TowerTree {
   [[nodiscard]] double expected_height(int k) const;
   /// The nodes above k on that route, from the lowest.
   [[nodiscard]] std::vector<int> best_path_from(int k) const;
-  /// Levels that the highest tower through a node reaches.
+  /// Levels that the highest tower through a node reaches, judged or not.
   [[nodiscard]] int reach(int k) const;
 
  private:

@@ -161,8 +161,7 @@ bool stands(const SearchContext& context, const ShapeList& shapes, const Stack& 
   return verdict.stands && (verdict.clean || !context.tower);
 }
 
-/// A world in which the stack falls without the new stone carries no information about this placement: the
-/// stack stands already, or whether it will was counted against the stone before.
+/// How the placement fares in the k-th of the worlds, whatever the stack below would do without it.
 Fate try_world(const SearchContext& context, const Candidate& candidate, int k) {
   const Stack& below = *candidate.below;
   const Trial& trial = *candidate.trial;
@@ -177,10 +176,54 @@ Fate try_world(const SearchContext& context, const Candidate& candidate, int k) 
         standing_when_shaken(shapes.list, higher, displaced_verdict(context, higher, k, trial.may_rock));
     return left == static_cast<int>(higher.stones.size()) ? Fate::kOutlasts : Fate::kStands;
   }
-  const bool below_may_fall =
-      !below.stones.empty() && (context.options->com_sigma > 0.0 || context.problem->held > 0);
-  return below_may_fall && !stands(context, context.shapes(), below, k, trial.may_rock) ? Fate::kUndecidable
-                                                                                        : Fate::kFalls;
+  return Fate::kFalls;
+}
+
+/// A placement in one of the worlds.
+struct TriedWorld {
+  std::size_t candidate;
+  int world;
+  Fate fate = Fate::kFalls;
+};
+
+/// A world in which the stack falls without the new stone carries no information about this placement: the
+/// stack stands already, or whether it will was counted against the stone before. Stacks are judged once in
+/// each world that asks for it, and what is found is noted with the stack.
+void discard_undecidable(const SearchContext& context, std::span<const Candidate> candidates,
+                         std::vector<TriedWorld>& tried) {
+  struct Question {
+    const Candidate* candidate;  ///< one of those that are put on the stack
+    int world;
+    bool stands = true;
+  };
+  const auto stack_of = [&](const TriedWorld& one) { return candidates[one.candidate].below; };
+  const auto may_fall = [&](const TriedWorld& one) {
+    return one.fate == Fate::kFalls && !stack_of(one)->stones.empty() &&
+           (context.options->com_sigma > 0.0 || context.problem->held > 0);
+  };
+  std::map<std::pair<const Stack*, int>, bool> stands_alone;
+  std::vector<Question> questions;
+  for (const TriedWorld& one : tried) {
+    const Candidate& candidate = candidates[one.candidate];
+    if (!may_fall(one) || !stands_alone.emplace(std::pair(candidate.below, one.world), true).second) continue;
+    const std::map<int, bool>* known = candidate.below_stands;
+    if (known != nullptr && known->contains(one.world))
+      stands_alone[{candidate.below, one.world}] = known->at(one.world);
+    else
+      questions.push_back({&candidate, one.world});
+  }
+  run_tasks(context.options->threads, questions.size(), [&](std::size_t q) {
+    const Candidate& asked = *questions[q].candidate;
+    questions[q].stands =
+        stands(context, context.shapes(), *asked.below, questions[q].world, asked.trial->may_rock);
+  });
+  for (const Question& answered : questions) {
+    stands_alone[{answered.candidate->below, answered.world}] = answered.stands;
+    if (std::map<int, bool>* known = answered.candidate->below_stands)
+      (*known)[answered.world] = answered.stands;
+  }
+  for (TriedWorld& one : tried)
+    if (may_fall(one) && !stands_alone.at({stack_of(one), one.world})) one.fate = Fate::kUndecidable;
 }
 
 /// Forces on the whole stack as it stands, but for what is held.
@@ -212,12 +255,13 @@ Trial settled_trial(const SearchContext& context, const Stack& below, Trial tria
   trial.placement.T_W_O = at_rest.T_W_O;
   if (!at_rest.rests) return dropped(std::move(trial), concat("does not come to rest: ", at_rest.reason));
   const Equilibrium balance = balance_of(context, with(below, trial.stone, at_rest.T_W_O));
-  trial.margin = balance.stands ? balance.margin : 0.0;
+  trial.margin = balance.stands ? std::min(balance.margin,
+                                           limit_of_held(context, with(below, trial.stone, at_rest.T_W_O)))
+                                : 0.0;
   trial.placement = placement_of(context, below, at_rest, trial);
   if (!balance.stands) return dropped(std::move(trial), "no contact forces hold the stack");
   if (balance.margin < context.options->min_margin)
     return dropped(std::move(trial), concat("bears less than ", context.options->min_margin, " g sideways"));
-  trial.margin = std::min(trial.margin, limit_of_held(context, with(below, trial.stone, at_rest.T_W_O)));
   trial.turn_sigma = rest_uncertainty(context, below, {trial.stone, at_rest.T_W_O}, at_rest.contacts);
   if (trial.turn_sigma > 0.0) trial.placement.terms["turn_sigma"] = trial.turn_sigma;
   trial.score = std::min(trial.margin, context.options->friction) + trial.look_ahead;
@@ -260,25 +304,20 @@ Alternative alternative_of(const Trial& trial) {
 
 std::vector<Trial> predicted_trials(const SearchContext& context, std::span<const Candidate> candidates,
                                     int worlds) {
-  struct Task {
-    std::size_t candidate;
-    int world;
-  };
-  std::vector<Task> tasks;
+  std::vector<TriedWorld> tasks;
   for (std::size_t c = 0; c < candidates.size(); ++c)
     for (int k = candidates[c].trial->worlds; k < worlds; ++k) tasks.push_back({c, k});
-  std::vector<Fate> outcomes(tasks.size());
   run_tasks(context.options->threads, tasks.size(), [&](std::size_t t) {
-    const Candidate& candidate = candidates[tasks[t].candidate];
-    outcomes[t] = try_world(context, candidate, tasks[t].world);
+    tasks[t].fate = try_world(context, candidates[tasks[t].candidate], tasks[t].world);
   });
+  discard_undecidable(context, candidates, tasks);
   std::vector<Trial> trials;
   for (const Candidate& candidate : candidates) trials.push_back(*candidate.trial);
-  for (std::size_t t = 0; t < tasks.size(); ++t) {
-    Trial& trial = trials[tasks[t].candidate];
-    trial.tried += outcomes[t] != Fate::kUndecidable ? 1 : 0;
-    trial.survived += outcomes[t] == Fate::kStands || outcomes[t] == Fate::kOutlasts ? 1 : 0;
-    trial.shaken += outcomes[t] == Fate::kOutlasts ? 1 : 0;
+  for (const TriedWorld& task : tasks) {
+    Trial& trial = trials[task.candidate];
+    trial.tried += task.fate != Fate::kUndecidable ? 1 : 0;
+    trial.survived += task.fate == Fate::kStands || task.fate == Fate::kOutlasts ? 1 : 0;
+    trial.shaken += task.fate == Fate::kOutlasts ? 1 : 0;
   }
   for (std::size_t c = 0; c < trials.size(); ++c) {
     Trial& trial = trials[c];

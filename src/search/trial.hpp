@@ -1,4 +1,5 @@
 #pragma once
+#include <map>
 #include <span>
 
 #include "search/search_context.hpp"
@@ -31,7 +32,8 @@ struct Trial {
 };
 
 /// Lets the stone down on the stack `below`, held fixed, and solves the equilibrium of the whole. The stack
-/// must be left at least `min_margin`.
+/// must be left at least `min_margin` by its contacts; what held stones bear, whose contacts are not known,
+/// only limits the margin that is reported, and is drawn in the displaced worlds.
 /// @return the trial with its pose at rest, polygon, cost and margin, or dropped with the reason.
 [[nodiscard]] Trial settled_trial(const SearchContext& context, const Stack& below, Trial trial);
 
@@ -48,6 +50,9 @@ struct Candidate {
   const Stack* below = nullptr;
   const Trial* trial = nullptr;
   bool shake = false;  ///< the tower is finished and to outlast a shake
+  /// Worlds in which the stack was judged without the trial, and whether it stood. Read and added to; null:
+  /// judged anew.
+  std::map<int, bool>* below_stands = nullptr;
 };
 /// Tries each in worlds 0 to `worlds` - 1 (those it was not tried in yet), all at once: placements displaced
 /// by the placement uncertainty, centres of mass by theirs, the placed stone with a shape that it may have.
