@@ -79,10 +79,12 @@ void know_firsts(const SearchContext& context, TowerSearch& search, std::size_t 
   }
 }
 
-/// Predicts the best first placement and the route above it with more draws, until it stays the best.
-void know_best(const SearchContext& context, TowerSearch& search) {
+/// Predicts the best first placement and the route above it with more draws, until it stays the best. Where
+/// one is dropped the best `wanted` of the others are judged.
+void know_best(const SearchContext& context, TowerSearch& search, std::size_t wanted) {
   const TowerTree& tree = search.tree();
   for (int last_best = -1; !context.out_of_time() && !interrupt_noted();) {
+    know_firsts(context, search, wanted);
     const std::vector<int> firsts = ranked_firsts(tree, context.options->friction);
     if (firsts.empty() || !tree.node(firsts.front()).predicted) return;
     const int best = firsts.front();
@@ -102,8 +104,7 @@ struct Collected {
 Collected collected(const SearchContext& context, TowerSearch& search) {
   const auto wanted = static_cast<std::size_t>(context.options->alternatives);
   const double friction = context.options->friction;
-  know_firsts(context, search, wanted);
-  know_best(context, search);
+  know_best(context, search, wanted);
   const TowerTree& tree = search.tree();
   Collected found;
   std::vector<int> taken;
@@ -111,7 +112,6 @@ Collected collected(const SearchContext& context, TowerSearch& search) {
     const TowerNode& node = tree.node(k);
     if (!node.predicted || found.best.size() == wanted) continue;
     Placement placement = node.trial.placement;
-    placement.terms["plan_levels"] = tree.reach(k);
     placement.terms["plan_chance"] = tree.chance(k, friction);
     placement.expected_height = tree.expected_height(k);
     for (const int above : tree.best_path_from(k)) {
@@ -119,6 +119,7 @@ Collected collected(const SearchContext& context, TowerSearch& search) {
       placement.then.push_back({next.trial.stone, next.trial.placement.T_W_O});
       placement.then_compared.push_back(compared_with(search, next.parent, {above}, friction));
     }
+    placement.terms["plan_levels"] = static_cast<double>(1 + placement.then.size());
     found.best.push_back(std::move(placement));
     taken.push_back(k);
   }
@@ -196,6 +197,7 @@ SearchResult follow_plan(const SearchContext& context, std::span<const PlacedSto
 double expected_of_plan(const SearchContext& context, std::span<const PlacedStone> plan) {
   TowerSearch search(context, static_cast<int>(plan.size()));
   static_cast<void>(search.follow(plan));
+  search.predict_path(search.tree().size() - 1);  // of a plan that ends early, too
   return search.tree().expected_height(0);
 }
 
@@ -215,13 +217,16 @@ SearchResult default_search(const SearchContext& context) {
         } catch (const Interrupted&) {
           context.log("interrupted; keeping what was found");
         }
+        const int found_levels = search.tree().node(search.best()).level;
+        if (problem.known_route_only && found_levels <= static_cast<int>(problem.known_route.size()))
+          return Collected{};
         return collected(context, search);
       };
       Collected found =
           look_for(problem.known_route_only ? TowerSearch::Routes::kFoundBefore : TowerSearch::Routes::kAll);
-      // The known route led to the top, but failed the closer prediction.
-      if (found.best.empty() && !problem.known_route.empty() && !problem.known_route_only &&
-          !context.out_of_time() && !interrupt_noted())
+      // All that was found failed the closer prediction: what was left aside may hold.
+      if (found.best.empty() && search.best() > 0 && !problem.known_route_only && !context.out_of_time() &&
+          !interrupt_noted())
         found = look_for(TowerSearch::Routes::kNew);
       result.best = std::move(found.best);
       result.others = std::move(found.others);

@@ -56,7 +56,7 @@ int most_violated(const GapField& field, float a, float b, float* value) {
 /// Three cells around the centre of mass and the plane through them.
 struct Basis {
   std::array<Eigen::Vector3d, 3> p;
-  std::array<int, 3> cell{-1, -1, -1};  ///< -1: artificial
+  std::array<int, 3> cell = kArtificial;
   double c = 0.0, a = 0.0, b = 0.0;
 
   void set(std::size_t k, const Eigen::Vector3d& q, int index) {
@@ -211,7 +211,8 @@ GapRest solve_rest(const GapField& field, const TopSurface& top, double max_slop
   const Basis rim = artificial_basis(field.highest, max_slope);
   Basis basis = rim;
   for (std::size_t k = 0; k < 3; ++k)
-    if (start[k] >= 0) basis.set(k, field.point(start[k]), start[k]);
+    basis.set(k, start[k] < 0 ? rim.p[static_cast<std::size_t>(-1 - start[k])] : field.point(start[k]),
+              start[k]);
   const double lowest = static_cast<double>(field.highest) - kDeepestStart;
   if (std::any_of(basis.p.begin(), basis.p.end(), [&](const auto& p) { return p.z() < lowest; })) basis = rim;
   for (int pivot = 0; pivot < kMaxPivots; ++pivot) {
@@ -220,11 +221,11 @@ GapRest solve_rest(const GapField& field, const TopSurface& top, double max_slop
     int entering = most_violated(field, static_cast<float>(basis.a), static_cast<float>(basis.b), &over);
     bool optimal = entering < 0;
     Eigen::Vector3d q = optimal ? Eigen::Vector3d::Zero() : field.point(entering);
-    for (const Eigen::Vector3d& artificial : rim.p)
-      if (const auto at = static_cast<float>(basis.over_slope(artificial)); at > over) {
+    for (std::size_t k = 0; k < 3; ++k)
+      if (const auto at = static_cast<float>(basis.over_slope(rim.p[k])); at > over) {
         over = at;
-        entering = -1;
-        q = artificial;
+        entering = kArtificial[k];
+        q = rim.p[k];
         optimal = false;
       }
     if (optimal) {

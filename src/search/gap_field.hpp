@@ -67,6 +67,10 @@ struct GapField {
 /// gap: the others cannot touch while the tilt stays small.
 void lay(const TopSurface& top, const Underside& underside, int i, int j, double active, GapField* field);
 
+/// The three artificial cells, in the places of cells: node k of the underside is k, the j-th of these -1 -
+/// j.
+inline constexpr std::array<int, 3> kArtificial{-1, -2, -3};
+
 /// The plane c + a x + b y that rests on the gap field: the least height of the centre of mass, with tilt
 /// free.
 struct GapRest {
@@ -74,7 +78,7 @@ struct GapRest {
   bool clean = false;       ///< and all three may be touched
   double height = 0.0;      ///< c, m
   double a = 0.0, b = 0.0;  ///< tilt that is still needed, rise over run
-  std::array<int, 3> cells{-1, -1, -1};  ///< nodes of the underside
+  std::array<int, 3> cells = kArtificial;  ///< nodes of the underside
 };
 /// min c subject to c + a x + b y >= D everywhere: a linear programme in three variables, by the dual simplex
 /// method. Its basis is the upper hull facet of D above the centre of mass, so the contacts enclose it. Tilts
@@ -82,7 +86,7 @@ struct GapRest {
 /// cells of a rest of the same underside, say on the node beside, where the search for these begins; they
 /// enclose the centre of mass whatever lies below them. The result does not depend on it, but for ties.
 [[nodiscard]] GapRest solve_rest(const GapField& field, const TopSurface& top, double max_slope,
-                                 const std::array<int, 3>& start = {-1, -1, -1});
+                                 const std::array<int, 3>& start = kArtificial);
 
 /// How well a resting pose is carried.
 struct GapContact {

@@ -38,7 +38,7 @@ LandingGrid land(const StackField& stack, const Underside& underside, double mas
   const int n = offsets.n, width = 2 * n + 1;
   LandingGrid grid{offsets, std::vector<Landing>(static_cast<std::size_t>(width * width))};
   const auto at = [&](int u, int v) { return static_cast<std::size_t>((v + n) * width + u + n); };
-  std::array<int, 3> cells{-1, -1, -1};  // each rest is sought from that of the node before
+  std::array<int, 3> cells = kArtificial;  // each rest is sought from that of the node before
   const auto fill = [&](int u, int v) {
     grid.landings[at(u, v)] = set_down(stack, underside, offsets.i + u * offsets.step,
                                        offsets.j + v * offsets.step, buffer, &cells);
@@ -80,7 +80,7 @@ LandingGrid land(const StackField& stack, const Underside& underside, double mas
 }
 
 Landing land_on_table(const StackField& table, const Underside& underside, GapField* buffer) {
-  std::array<int, 3> cells{-1, -1, -1};
+  std::array<int, 3> cells = kArtificial;
   Landing landing = set_down(table, underside, 0, 0, buffer, &cells);
   if (landing.holds) landing.estimate = std::min(table.friction, landing.margin / landing.lever);
   return landing;

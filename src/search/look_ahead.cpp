@@ -65,7 +65,10 @@ LookAheadEstimate LookAhead::estimate(const StackBodies& stack, std::span<const 
     best.push_back(std::clamp(max, kMin, options_.friction + 0.05));
   }
   if (best.empty()) {
-    result.value = stones_.size() > used.size() ? kMin : 0.0;
+    const bool any_left = std::any_of(stones_.begin(), stones_.end(), [&](const LooseStone& stone) {
+      return std::find(used.begin(), used.end(), stone.stone) == used.end();
+    });
+    result.value = any_left ? kMin : 0.0;
     return result;
   }
   std::sort(best.rbegin(), best.rend());

@@ -126,7 +126,7 @@ TEST(GapField, RestDoesNotDependOnWhereItsSearchBegins) {
       return 0.004 * (std::sin(p * x + s) + std::cos(30 * y + p * x * y * 20));
     });
     const Underside side = underside_of(make_sphere(0.3, 3));
-    std::array<int, 3> cells{-1, -1, -1};
+    std::array<int, 3> cells = kArtificial;
     for (int i = -6; i <= 6; i += 2) {
       GapField field;
       lay(top, side, i, 1, 0.022, &field);
@@ -139,6 +139,35 @@ TEST(GapField, RestDoesNotDependOnWhereItsSearchBegins) {
     }
   }
   EXPECT_GT(rested, 200);
+}
+
+/// Where a stone tips over a ledge, artificial cells are left in its basis, in any order. On rough surfaces
+/// one rest in a thousand still depends on its start, by ties; with artificial cells mixed up it was one in
+/// 400.
+TEST(GapField, TheSearchForARestGoesOnFromOneThatTips) {
+  Random random = Random::stream(9, "gap field");
+  int different = 0, all = 0, tipped = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    const double p = random.uniform(10, 40), s = random.uniform(0, 6), rough = random.uniform(0.002, 0.02);
+    const double drop = trial % 2 == 0 ? 0.0 : random.uniform(0.03, 0.3), edge = random.uniform(-0.02, 0.02);
+    const TopSurface top = surface_of([&](double x, double y) {
+      return rough * (std::sin(p * x + s) + std::cos(30 * y + p * x * y * 20)) - (x > edge ? drop : 0.0);
+    });
+    const Underside side = underside_of(make_sphere(0.3, 3));
+    std::array<int, 3> cells = kArtificial;
+    for (int i = -6; i <= 6; ++i) {
+      GapField field;
+      lay(top, side, i, 1, 1.0, &field);
+      const GapRest anew = solve_rest(field, top, 0.2);
+      const GapRest from = solve_rest(field, top, 0.2, cells);
+      different += anew.rests != from.rests || std::abs(anew.height - from.height) > 2e-5 ? 1 : 0;
+      tipped += anew.rests ? 0 : 1;
+      ++all;
+      cells = from.cells;
+    }
+  }
+  EXPECT_GT(tipped, all / 20);
+  EXPECT_LT(different, all / 600);
 }
 
 TEST(GapField, RestingPlaneLiesAboveEveryCellAndEnclosesTheCentre) {
