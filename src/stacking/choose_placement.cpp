@@ -462,6 +462,7 @@ std::vector<double> expected_by_friction(const SearchProblem& problem, const std
     SearchOptions other = options;
     other.threads = 1;
     other.friction = frictions[k];
+    other.min_success = other.min_margin = 0.0;  // an expectation: nothing is chosen by it
     const auto there = resting == nullptr ? here : at_friction(here, (*resting)[k]);
     if (there) expected[k] = expected_height(*there, plan, other);
   });
@@ -504,7 +505,7 @@ std::vector<double> expected_unstacked(const Situation& s, const RunMemory& memo
   while (expected.size() < std::min(allowed, stack)) {
     auto at_best = expected;
     at_best.push_back(all);
-    if (unstack_depth(at_best) <= expected.size()) break;  // one deeper cannot pay
+    if (unstack_depth(at_best, stack) <= expected.size()) break;  // one deeper cannot pay
     const auto lower = without_top(s, expected.size() + 1);
     expected.push_back(lower ? expected_from(s, memory, *lower) : 0.0);
   }
