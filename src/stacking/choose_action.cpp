@@ -188,7 +188,7 @@ std::optional<Action> unstack(const Situation& s, RunMemory& memory) {
   if (!s.arrangement.stack.empty()) give_up_top(s, memory);
   auto& expected = memory.search->expected_unstacked;
   if (!expected) expected = expected_unstacked(s, memory);
-  const std::size_t count = unstack_depth(*expected);
+  const std::size_t count = unstack_depth(*expected, s.arrangement.stack.size());
   if (count == 0) return std::nullopt;
   memory.unstacking = Unstacking{static_cast<int>(count), 0, 0, std::nullopt};
   s.emit(UnstackChosen{s.arrangement.stack.back().stone, (*expected)[count - 1], static_cast<int>(count)});

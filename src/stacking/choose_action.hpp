@@ -49,9 +49,10 @@ enum class Basis { kObserved, kPredicted };
 
 /// Decides what the robot does next. Pure: asks no device and no clock, and the same world, memory and
 /// options give the same decision. In this order: ends after a failure; searches for stones out of sight;
-/// goes on unstacking; clears the base; ends when the height is reached; places or reorients a stone by the
-/// search (src/stacking/choose_placement.hpp); unstacks where nothing fits; retries grasps that failed; ends.
-/// `listener` hears events as they happen.
+/// models anew what no model shows; goes on unstacking; models the top stone anew; clears the base; ends when
+/// the height is reached; pushes a stone free; places or reorients a stone by the search
+/// (src/stacking/choose_placement.hpp); pushes where only that helps; unstacks where nothing fits; retries
+/// grasps that failed; ends. `listener` hears events as they happen.
 /// @param basis predicted: where nothing is found the decision ends, without asking what could be taken off;
 ///     where a tower's first search finds nothing, none follows at other frictions, and there is no
 ///     `memory.search`

@@ -7,12 +7,12 @@ constexpr double kCost = 0.2;  // stones, of each stone that is unstacked; desig
 
 }  // namespace
 
-std::size_t unstack_depth(const std::vector<double>& expected) {
+std::size_t unstack_depth(const std::vector<double>& expected, std::size_t standing) {
   std::size_t depth = 0;
-  double best = 0.0;
+  auto best = static_cast<double>(standing);
   for (std::size_t k = 0; k < expected.size(); ++k) {
     const double worth = expected[k] - kCost * static_cast<double>(k + 1);
-    if (expected[k] <= 0.0 || (depth > 0 && worth <= best)) continue;
+    if (worth <= best) continue;
     best = worth;
     depth = k + 1;
   }
