@@ -119,7 +119,7 @@ void check_answer(const std::string& call, const json& j,
     (void)j.at("error").get<std::string>();
   } else if (call == "arm_state") {
     (void)arm_state_of(j);
-  } else if (call == "follow" || call == "follow_guarded") {
+  } else if (call == "follow" || call == "follow_guarded" || call == "carry") {
     (void)motion_result_of(j);
   } else if (call == "gripper_state" || call == "gripper_move") {
     (void)gripper_state_of(j);

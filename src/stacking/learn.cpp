@@ -9,6 +9,7 @@
 #include "stacking/choose_in_wall.hpp"
 #include "stacking/constants.hpp"
 #include "stacking/next_view.hpp"
+#include "stacking/settle_stack.hpp"
 #include "stacking/unknown_objects.hpp"
 #include "stonestack/core/error.hpp"
 
@@ -112,7 +113,7 @@ void report_moved(const std::vector<StoneEstimate>& expected, const WorldEstimat
 }
 
 /// A stone that was released there, on those, did not stay: the frictions with which it should have are less
-/// likely than was thought.
+/// likely than was thought. Frictions at which those below could not have stood are not: they did.
 FrictionEstimate learn_from_fall(const FrictionEstimate& friction, const Attempt& attempt,
                                  const WorldEstimate& seen, const Models& models,
                                  const BuildOptions& options) {
@@ -123,9 +124,15 @@ FrictionEstimate learn_from_fall(const FrictionEstimate& friction, const Attempt
   problem.site = seen.layout.site;
   const PlacedStone stone{attempt.placement.stone, attempt.placement.T_W_O};
   problem.available = {stone};
+  const std::vector<RestingStack> resting =
+      resting_stacks(models.shapes, Stack{attempt.below}, options.search, friction.frictions, true);
   const std::vector<bool> all(friction.frictions.size(), true);
-  return update_estimate(
-      friction, expected_by_friction(problem, {stone}, friction.frictions, all, nullptr, options.search));
+  std::vector<double> success =
+      expected_by_friction(problem, {stone}, friction.frictions, all, &resting, options.search);
+  if (stands_at_some_friction(resting))
+    for (std::size_t k = 0; k < success.size(); ++k)
+      if (!resting[k].stack) success[k] = 1.0;
+  return update_estimate(friction, success);
 }
 
 /// Picks that failed of one stone.

@@ -43,13 +43,15 @@ std::string Reach::refusal(StoneIndex stone) const {
 
 bool Reach::by_reorienting(StoneIndex stone, const Pose& T_W_O, const Stack& below,
                            const std::vector<Pose>& avoid, const RegraspOptions& regrasp) {
+  const auto same = [](const Pose& a, const Pose& b) { return a.matrix() == b.matrix(); };
   auto at = turning_.find(stone);
-  if (at == turning_.end()) {
+  if (at == turning_.end() ||
+      !std::equal(at->second.avoided.begin(), at->second.avoided.end(), avoid.begin(), avoid.end(), same)) {
     const auto task = lying(stone);
     RegraspFinder made(scene_, *task.stone, task.object, task.T_W_O_pick, avoid, options_for(stone), regrasp);
-    at = turning_.emplace(stone, std::move(made)).first;
+    at = turning_.insert_or_assign(stone, Turning{avoid, std::move(made)}).first;
   }
-  return at->second.serves(T_W_O, planned(below));
+  return at->second.finder.serves(T_W_O, planned(below));
 }
 
 const GraspFinder& Reach::direct(StoneIndex stone) {

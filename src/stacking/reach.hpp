@@ -56,7 +56,11 @@ class Reach {
   MotionOptions near_table_;
   std::set<StoneIndex> low_;  ///< stones that only such grasps hold
   std::map<StoneIndex, GraspFinder> direct_;
-  std::map<StoneIndex, RegraspFinder> turning_;
+  struct Turning {
+    std::vector<Pose> avoided;  ///< grasps that the finder was made without
+    RegraspFinder finder;
+  };
+  std::map<StoneIndex, Turning> turning_;
   std::map<StoneIndex, GraspCheck> refused_;  ///< of the last target that was refused
 };
 

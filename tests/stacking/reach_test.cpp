@@ -57,6 +57,22 @@ TEST(Reach, AStoneThatIsOutOfReachIsGraspedNearerToTheTable) {
   EXPECT_DOUBLE_EQ(near.options_for(1_stone).approach_padding, usual.approach_padding);
 }
 
+TEST(Reach, GraspsThatFailedServeReorientingOnceTheyAreRetried) {
+  const ReachBench bench;
+  const MotionOptions options;
+  Reach reach = bench.reach(options);
+  const PlanningScene scene =
+      make_planning_scene(bench.layout, bench.robot, bench.catalogue, bench.arrangement);
+  const GraspFinder finder(scene, bench.catalogue.stones[1], 0, bench.arrangement.loose[0].T_W_O, options);
+  std::vector<Pose> all;
+  for (const auto& grasp : finder.set().grasps) all.push_back(grasp.T_O_T);
+  ASSERT_FALSE(all.empty());
+  Pose T_W_O = bench.arrangement.loose[0].T_W_O;
+  T_W_O.translation().head<2>() = bench.layout.site;
+  EXPECT_FALSE(reach.by_reorienting(1_stone, T_W_O, {}, all, {}));
+  EXPECT_TRUE(reach.by_reorienting(1_stone, T_W_O, {}, {}, {}));
+}
+
 TEST(Reach, SaysWhatTheGraspsOfARefusedTargetMeet) {
   const ReachBench bench;
   const MotionOptions options;

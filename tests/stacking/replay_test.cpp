@@ -86,6 +86,9 @@ TEST(Replay, MakesTheSameDecisionsToTheLastDigit) {
   edit(answers, R"re("follow":\[0)re", R"("follow":[9)");
   EXPECT_THAT(error_of(run), testing::HasSubstr("no status is 9"));
   write_file(answers, whole);
+  edit(answers, R"re("carry":\[0)re", R"("carry":[9)");
+  EXPECT_THAT(error_of(run), testing::HasSubstr("no status is 9"));
+  write_file(answers, whole);
 
   // Another journal and other options are told of.
   const std::string journal = run + "/journal.jsonl", kept = read_file(journal, kMax);
