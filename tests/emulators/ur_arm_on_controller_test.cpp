@@ -506,13 +506,14 @@ TEST(UrArmOnController, ACutLinkEndsTheMotion) {
 struct PushingSensor : ForceTorqueSensor {
   explicit PushingSensor(const RobotModel& model) : robot(model) {}
   [[nodiscard]] Wrench read() override {
-    const double push = ++reads > 60 ? 9.0 : 1.0;
+    const double push = ++reads > begin + 60 ? pushes : 1.0;
     const Eigen::Matrix3d R_R_F = forward(robot, ScriptBench::start()).rotation();
     return {R_R_F.transpose() * Eigen::Vector3d(0, 0, push), Eigen::Vector3d::Zero(), 0.01 * reads};
   }
   void zero() override {}
   const RobotModel& robot;
-  int reads = 0;
+  int reads = 0, begin = 0;
+  double pushes = 9.0;
 };
 
 TEST(UrArmOnController, GuardedDescentFeelsTheSensor) {
@@ -526,6 +527,13 @@ TEST(UrArmOnController, GuardedDescentFeelsTheSensor) {
   const MotionResult moved = cell.arm->follow_guarded(motion);
   EXPECT_EQ(moved.status, Status::kContact) << moved.reason;
   EXPECT_NEAR(moved.force, 8.0, 0.2);
+  sensor.begin = sensor.reads;
+  sensor.pushes = 4.0;
+  const Joints offset = cell.arm->state().q - motion.trajectory.q.front();
+  for (Joints& q : motion.trajectory.q) q += offset;
+  const MotionResult slid = cell.arm->follow_guarded(motion);
+  EXPECT_EQ(slid.status, Status::kNoContact) << slid.reason;
+  EXPECT_NEAR(slid.mean_force, 3.0, 0.2) << "of this motion, not the end of the one before";
 }
 
 }  // namespace

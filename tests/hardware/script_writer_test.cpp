@@ -47,6 +47,7 @@ TEST(ScriptWriter, Settings) {
             "def stonestack_17():\n"
             "  write_output_integer_register(26, 0)\n"
             "  write_output_integer_register(25, 0)\n"
+            "  write_output_float_register(30, 0.0)\n"
             "  write_output_integer_register(24, 17)\n"
             "  set_tcp(p[0.000000000, 0.000000000, 0.264000000, 0.000000000, 0.000000000, 0.000000000])\n"
             "  set_payload(2.500000000, [0.000000000, 0.000000000, 0.100000000])\n"

@@ -146,20 +146,20 @@ TEST(UrArm, ReconnectsOnceOnC210) {
 }
 
 TEST(UrArm, AProgramThatFailsReportsTheLine) {
-  ArmBench early([](State& s, const std::string&, int) { s.to_send = key_exception(5, "not found"); });
+  ArmBench early([](State& s, const std::string&, int) { s.to_send = key_exception(6, "not found"); });
   const MotionResult refused = early.arm.follow(small_arm_move());
   EXPECT_EQ(refused.status, Status::kRefused);
-  EXPECT_THAT(refused.reason, HasSubstr("line 5: not found: 'rtde_set_watchdog("));
+  EXPECT_THAT(refused.reason, HasSubstr("line 6: not found: 'rtde_set_watchdog("));
   ArmBench late([](State& s, const std::string& script, int run) {
     obey(s, script, run);
     if (is_stop(script)) return;
     s.later.clear();
-    s.to_send = key_exception(6, "no inverse kinematics");
+    s.to_send = key_exception(7, "no inverse kinematics");
     s.after(20, [](State& later) { later.set_running(false); });
   });
   const MotionResult died = late.arm.follow(small_arm_move());
   EXPECT_EQ(died.status, Status::kStopped);
-  EXPECT_THAT(died.reason, HasSubstr("line 6: no inverse kinematics: 'set_tcp("));
+  EXPECT_THAT(died.reason, HasSubstr("line 7: no inverse kinematics: 'set_tcp("));
   ArmBench killed([](State& s, const std::string& script, int run) {
     obey(s, script, run);
     s.later.clear();
@@ -367,7 +367,7 @@ TEST(UrArm, EveryEndButItsOwnSendsAStop) {
     s.set_end(ScriptEnd::kFellBehind);
   }))) << "fell behind";
   EXPECT_TRUE(stops_after([](State& s, const std::string&, int) {
-    s.to_send = key_exception(6, "no inverse kinematics");
+    s.to_send = key_exception(7, "no inverse kinematics");
     s.set_run(0);  // and it has not begun
     s.later.clear();
   })) << "died";

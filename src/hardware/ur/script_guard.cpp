@@ -38,6 +38,7 @@ void define_guard(ScriptLines& out, const ScriptGuard& guard) {
   out.add(1, "def stk_guard():");
   out.add(2, "stk_read_force()");
   out.add(2, "if stk_fresh:");
+  out.add(3, "write_output_float_register(", out.reg(6), ", stk_force)");
   out.add(3, "stk_above = stk_above + 1");
   out.add(3, "if stk_force <= ", to_script(guard.threshold), ":");
   out.add(4, "stk_above = 0");

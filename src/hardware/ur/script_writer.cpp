@@ -16,7 +16,7 @@ constexpr UrVersion kUpperRegisters3{3, 9, 0, 0}, kUpperRegisters5{5, 3, 0, 0};
 constexpr double kChase =
     2.0;  // times the lag at which the path waits, which leaves the arm little more behind
 
-/// The run id comes last: who sees it never sees the end of an older run.
+/// The run id comes last: who sees it never sees the end, or the force, of an older run.
 void begin(ScriptLines& out) {
   const ScriptContext& c = out.context();
   require(c.run > 0, "a run id must be positive, got ", c.run);
@@ -25,6 +25,7 @@ void begin(ScriptLines& out) {
   if (out.reg(0) == 0) out.add(1, "# Before 3.9 (5.3): registers 0..23, shared with fieldbuses.");
   out.add(1, "write_output_integer_register(", out.reg(2), ", ", number(ScriptEnd::kRunning), ")");
   out.add(1, "write_output_integer_register(", out.reg(1), ", 0)");
+  out.add(1, "write_output_float_register(", out.reg(6), ", 0.0)");
   out.add(1, "write_output_integer_register(", out.reg(0), ", ", c.run, ")");
 }
 

@@ -12,7 +12,7 @@
 /// registers, so that its end differs from the end of any other program:
 ///
 ///   output int    24 run id   25 progress (knots passed)   26 end state (ScriptEnd)
-///   output double 24..29 pose of the tool at the end, p[x, y, z, rx, ry, rz] in B   30 force at the end, N
+///   output double 24..29 pose of the tool at the end, p[x, y, z, rx, ry, rz] in B   30 force, N
 ///   input int     24 heartbeat (watched at 10 Hz)   25 counter of the streamed force
 ///   input double  24..26 force on the tool, N, axes of B
 ///

@@ -16,7 +16,7 @@ struct UrStatus {
   bool program_running = false;  ///< or resuming
   double speed = 0.0;            ///< of the arm as a fraction: slider times what the safety system leaves
   int run = 0, progress = 0, end = 0;
-  double force = 0.0;  ///< of the last program [N]
+  double force = 0.0;  ///< of the latest program; 0 until it has read one [N]
 
   /// A person (or the pendant) holds the program: it is there and goes on when somebody plays it. Controllers
   /// may clear their bit of a running program meanwhile, and until it has been resumed.
