@@ -58,6 +58,7 @@ class FakeUr {
     state_.set_running(false);
   }
   ~FakeUr() {
+    silent_ = false;
     close_scripts();
     dashboard_.stop();
     rtde_.reset();
@@ -105,6 +106,13 @@ class FakeUr {
     closing_scripts_ = true;
     primary_.reset();
   }
+  /// Closes the script connection; others are accepted. Returns once it is closed.
+  void drop_scripts() {
+    dropping_scripts_ = true;
+    while (dropping_scripts_) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  /// No states any more on connections that stay open, until they are to come again.
+  void set_silent(bool silent) { silent_ = silent; }
   [[nodiscard]] FakeRtde& rtde() { return *rtde_; }
   void set_remote(bool remote) { remote_ = remote; }
 
@@ -134,6 +142,7 @@ class FakeUr {
   }
 
   std::string next_state() {
+    while (silent_) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     const std::lock_guard lock(mutex_);
     auto due = std::move(state_.later);
     state_.later.clear();
@@ -154,6 +163,7 @@ class FakeUr {
   void serve_scripts(TcpStream& stream) {
     std::string text;
     while (!closing_scripts_) {
+      if (dropping_scripts_.exchange(false)) return;
       std::array<std::uint8_t, 65536> bytes{};
       const IoResult read = stream.read_some(bytes, Deadline::in(0.005));
       if (read.status == IoStatus::kClosed) return;
@@ -202,7 +212,7 @@ class FakeUr {
   std::string scripts_;
   double time_ = 100.0, period_ = 0.008;
   bool drop_ = false;
-  std::atomic<bool> remote_{true};
+  std::atomic<bool> remote_{true}, silent_{false}, dropping_scripts_{false};
   std::unique_ptr<FakeRtde> rtde_;
   std::atomic<bool> closing_scripts_{false};
   std::unique_ptr<FakeServer> primary_;

@@ -218,6 +218,41 @@ TEST(UrArm, NothingMovesOnceTheSafetyConfigurationHasChanged) {
   EXPECT_EQ(robot.count("def stonestack_2()"), 0);
 }
 
+TEST(UrArm, ASafetyChecksumCountsForItsConnectionOnly) {
+  FakeUr robot([](State& s, const std::string& script, int run) { obey(s, script, run); });
+  robot.change([](State& s) { s.to_send = state_with_safety("57F4285B"); });
+  UrArmOptions options = robot.options();
+  options.safety_checksum = "57F4285B";
+  UrArm arm(arm_model(), options, Pose::Identity(), ArmBench::tool());
+  robot.drop_scripts();
+  robot.change([](State& s) { s.to_send = state_with_safety("00000001"); });
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));  // the arm has seen the connection end
+  const MotionResult refused = arm.follow(small_arm_move());
+  EXPECT_EQ(refused.status, Status::kRefused);
+  EXPECT_THAT(refused.reason, testing::AllOf(HasSubstr("00000001"), HasSubstr("57F4285B")));
+  EXPECT_EQ(robot.count("servoj(q"), 0);
+  robot.change([](State& s) { s.to_send = state_with_safety("57F4285B"); });
+  ASSERT_TRUE(eventually([&] { return arm.safety_checksum() == 0x57F4285BU; }));
+  EXPECT_EQ(arm.follow(small_arm_move()).status, Status::kDone);
+}
+
+TEST(UrArm, ASafetyChecksumIsComparedOnTheConnectionThatReplacesAReadOnlyOne) {
+  FakeUr robot([](State& s, const std::string&, int) { s.to_send = read_only(); });
+  robot.change([](State& s) { s.to_send = state_with_safety("57F4285B"); });
+  UrArmOptions options = robot.options();
+  options.safety_checksum = "57F4285B";
+  UrArm arm(arm_model(), options, Pose::Identity(), ArmBench::tool());
+  std::thread other([&] {
+    EXPECT_TRUE(eventually([&] { return robot.script_connections() == 2; }));
+    robot.change([](State& s) { s.to_send = state_with_safety("00000001"); });
+  });
+  const MotionResult refused = arm.follow(small_arm_move());
+  other.join();
+  EXPECT_EQ(refused.status, Status::kRefused);
+  EXPECT_THAT(refused.reason, HasSubstr("00000001"));
+  EXPECT_EQ(robot.count("servoj(q"), 1);
+}
+
 TEST(UrArm, NotesAStopWhileNothingMoves) {
   ArmBench bench([](State& s, const std::string& script, int run) { obey(s, script, run); });
   bench.robot.change([](State& s) {

@@ -17,6 +17,10 @@ constexpr double kReadTurn = 1.0;     // s
 constexpr long kStatesWithout = 3;    // states that show that a controller does not say something
 constexpr int kRealtimePort = 30003;  // and its frames carry no type
 
+void require_whole(const std::string& script) {
+  require(!script.empty() && script.back() == '\n', "a program ends with a new line");
+}
+
 }  // namespace
 
 struct PrimaryClient::Link {
@@ -35,6 +39,10 @@ struct PrimaryClient::Link {
 
   /// A later connection may be for a stop, which Ctrl-C must not keep back.
   void connect(bool interruptible = false) {
+    {
+      const std::lock_guard lock(messages_mutex);
+      odd.clear();
+    }
     std::string problems;
     for (const int candidate : options.ports) try {
         stream = std::make_shared<TcpStream>(
@@ -80,7 +88,15 @@ struct PrimaryClient::Link {
       log_debug(error.what());
     }
     from.shut();
+    forget();
     note(false, "it closed the connection");
+  }
+
+  /// Another controller, or another configuration, may be on the next connection.
+  void forget() {
+    const std::lock_guard lock(messages_mutex);
+    safety_checksum.reset();
+    states = 0;
   }
 
   /// For `wait_until_heard`: is this a controller, or what else?
@@ -104,11 +120,16 @@ struct PrimaryClient::Link {
     states = parser.states();
   }
 
+  void connect_if_lost() {
+    if (stream && !stream->is_shut()) return;
+    disconnect();
+    connect();
+  }
+
   void send(const std::string& script) {
-    if (!stream || stream->is_shut()) {
-      disconnect();
-      connect();
-    }
+    if (!stream || stream->is_shut())
+      throw DeviceError("UR script port at " + to_text({address, port}), "the connection was lost",
+                        "look whether the controller is up, then try again");
     const IoResult sent = stream->write_all(script, Deadline::in(options.send_timeout));
     if (sent) return;
     stream->shut();
@@ -128,7 +149,7 @@ struct PrimaryClient::Link {
   std::deque<PrimaryMessage> messages;
   std::condition_variable noted;
   bool heard = false;  // a controller, on some connection
-  std::string odd;     // what was wrong first
+  std::string odd;     // what was wrong first on the present one
   std::optional<PrimaryKinematics> kinematics;
   std::optional<std::uint32_t> safety_checksum;
   long states = 0;  // of the present connection
@@ -140,9 +161,23 @@ PrimaryClient::PrimaryClient(const std::string& address, const PrimaryOptions& o
 PrimaryClient::~PrimaryClient() = default;
 
 void PrimaryClient::send(const std::string& script) {
-  require(!script.empty() && script.back() == '\n', "a program ends with a new line");
+  require_whole(script);
   const std::lock_guard lock(link_->sending);
+  link_->connect_if_lost();
   link_->send(script);
+}
+
+bool PrimaryClient::send_unless(const std::string& script, const std::atomic<bool>* stop) {
+  require_whole(script);
+  const std::lock_guard lock(link_->sending);
+  if (stop != nullptr && *stop) return false;
+  link_->send(script);
+  return true;
+}
+
+void PrimaryClient::connect_if_lost() {
+  const std::lock_guard lock(link_->sending);
+  link_->connect_if_lost();
 }
 
 void PrimaryClient::reconnect() {

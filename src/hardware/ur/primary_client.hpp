@@ -1,4 +1,5 @@
 #pragma once
+#include <atomic>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -26,6 +27,14 @@ class PrimaryClient {
   /// Sends a program; one that runs is killed by it. Connects again first if the connection was lost.
   /// @throws DeviceError
   void send(const std::string& script);
+  /// Sends a program as `send`, unless `stop` is set when its turn has come, and returns whether it did: a
+  /// stop that was set before it was sent itself is not overtaken. Null: nothing can stop it. Does not
+  /// connect again.
+  /// @throws DeviceError
+  [[nodiscard]] bool send_unless(const std::string& script, const std::atomic<bool>* stop);
+  /// Connects again if the connection was lost.
+  /// @throws DeviceError
+  void connect_if_lost();
   /// Closes and connects again: helps after a switch from local to remote control, when an old connection may
   /// only read.
   void reconnect();
@@ -37,8 +46,8 @@ class PrimaryClient {
   /// The arm's kinematics, once a state has said them; empty where none has within the deadline. Interrupted
   /// after Ctrl-C.
   [[nodiscard]] std::optional<PrimaryKinematics> wait_for_kinematics(Deadline deadline) const;
-  /// Checksum of the safety configuration as states have it (`PrimaryStream::safety_checksum`), the newest;
-  /// empty where none has said it yet.
+  /// Checksum of the safety configuration as states of the present connection have it
+  /// (`PrimaryStream::safety_checksum`), the newest; empty where none has said it yet.
   [[nodiscard]] std::optional<std::uint32_t> safety_checksum() const;
   /// Waits for that until a state has said it; empty where three states, or the deadline, have passed without
   /// it. Interrupted after Ctrl-C.

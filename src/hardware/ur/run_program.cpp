@@ -118,6 +118,8 @@ class Run {
       if (resent) break;  // C210 twice
       resent = true;
       link_.primary.reconnect();
+      if (auto other = link_.other_safety_configuration(); !other.empty())
+        return result(Status::kRefused, other);
       link_.primary.send(order_.script);
       deadline = Deadline::in(link_.options.start_timeout);
     }

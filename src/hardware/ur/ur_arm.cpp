@@ -40,13 +40,17 @@ struct UrArm::Device {
   [[nodiscard]] std::string name() const { return "UR arm at " + link.options.address; }
 
   /// Why a motion may not start; `now` is where the arm is.
-  [[nodiscard]] std::string find_refusal(const UrStatus& now) const {
+  [[nodiscard]] std::string find_refusal(const UrStatus& now) {
     if (auto hindrance = find_hindrance(now); !hindrance.empty()) return hindrance;
     if (auto reason = link.stop_reason(); !reason.empty())
       return "there was a stop, and nobody has looked and re-armed: " + reason;
-    if (auto other = link.other_safety_configuration(); !other.empty()) return other;
     if (now.program_running) return "another program runs on the controller; stop it first";
     if (now.is_held()) return "another program is paused on the controller; stop it first";
+    try {
+      if (auto other = link.other_safety_configuration(); !other.empty()) return other;
+    } catch (const DeviceError& error) {
+      return error.what();
+    }
     return {};
   }
 

@@ -30,11 +30,8 @@ UrLink::UrLink(const UrArmOptions& o)
       primary(o.address, primary_options(o)),
       version(rtde.version()),
       registers(first_register(version)) {
-  if (!o.safety_checksum.empty()) {
-    static_cast<void>(wait_for_safety_checksum());
-    if (const auto other = other_safety_configuration(); !other.empty())
-      throw DeviceError("UR arm at " + o.address, other, kCompareSafety);
-  }
+  if (const auto other = other_safety_configuration(); !other.empty())
+    throw DeviceError("UR arm at " + o.address, other, kCompareSafety);
   const UrStatus now = next_status();
   run_ = now.run > 0 && now.run < std::numeric_limits<int>::max() / 2 ? now.run : 0;
   stop_reason_ = find_safety_stop(now);
@@ -130,8 +127,10 @@ std::optional<std::uint32_t> UrLink::wait_for_safety_checksum() const {
   return primary.wait_for_safety_checksum(Deadline::in(kChecksumTime));
 }
 
-std::string UrLink::other_safety_configuration() const {
-  return describe_other_safety(primary.safety_checksum(), options.safety_checksum);
+std::string UrLink::other_safety_configuration() {
+  primary.connect_if_lost();
+  if (options.safety_checksum.empty()) return {};
+  return describe_other_safety(wait_for_safety_checksum(), options.safety_checksum);
 }
 
 std::string UrLink::explain_silence() const {

@@ -32,9 +32,10 @@ class UrLink {
   /// controller's watchdog ends what runs.
   void starve(const std::string& reason);
   void rearm();
-  /// Why the arm may not move with the safety configuration that the controller has; empty: it may, or the
-  /// options name none.
-  [[nodiscard]] std::string other_safety_configuration() const;
+  /// Why the arm may not move with the safety configuration that the controller says on the present script
+  /// connection; empty: it may, or the options name none. Connects again if that connection was lost.
+  /// @throws DeviceError
+  [[nodiscard]] std::string other_safety_configuration();
   [[nodiscard]] std::optional<std::uint32_t> wait_for_safety_checksum() const;
   /// Explains a script that did not start.
   [[nodiscard]] std::string explain_silence() const;
@@ -45,6 +46,7 @@ class UrLink {
   PrimaryClient primary;
   const UrVersion version;
   const int registers;
+  std::atomic<bool> program_in_transit{false};  ///< sent, and its run id not seen yet
 
  private:
   void beat();
