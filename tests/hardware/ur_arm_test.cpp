@@ -356,6 +356,70 @@ TEST(UrArm, APausedProgramThatDoesNotObeyAStopLosesItsHeartbeat) {
   EXPECT_THROW(bench.arm.rearm(), DeviceError) << "it is still there";
 }
 
+TEST(UrArm, ARunningProgramThatDoesNotObeyAStopLosesItsHeartbeat) {
+  ArmBench bench([](State& s, const std::string& script, int run) {
+    if (is_stop(script)) return;
+    obey(s, script, run);
+    s.later.clear();
+  });
+  const MotionResult given_up = bench.arm.follow(small_arm_move());
+  EXPECT_EQ(given_up.status, Status::kStopped);
+  EXPECT_THAT(given_up.reason, HasSubstr("not done after"));
+  const auto beats = [&] { return bench.robot.rtde().requests(RtdeKind::kDataPackage).size(); };
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));  // packets in transit have arrived
+  const auto before = beats();
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  EXPECT_EQ(beats(), before) << "the watchdog ends it";
+  EXPECT_THAT(bench.arm.state().stop_reason, HasSubstr("did not obey a stop"));
+  EXPECT_THROW(bench.arm.rearm(), DeviceError) << "it still runs";
+}
+
+TEST(UrArm, AStopThatAReadOnlyConnectionRefusesIsSentOnANewOne) {
+  std::atomic<int> stops{0};
+  ArmBench bench([&stops](State& s, const std::string& script, int run) {
+    if (is_stop(script) && stops++ == 0) {
+      s.to_send = read_only();
+      return;
+    }
+    obey(s, script, run);
+    if (!is_stop(script)) s.later.clear();
+  });
+  EXPECT_EQ(bench.arm.follow(small_arm_move()).status, Status::kStopped);
+  EXPECT_EQ(stops, 2);
+  EXPECT_EQ(bench.robot.script_connections(), 2);
+  EXPECT_TRUE(bench.arm.state().can_move) << "the second stop was obeyed";
+}
+
+TEST(UrArm, AProgramThatStartsLateIsStoppedBeforeTheDashboardIsAsked) {
+  FakeServer silent([](TcpStream& stream, int) {
+    std::array<std::uint8_t, 64> bytes{};
+    while (stream.read_some(bytes, Deadline::in(0.02)).status != IoStatus::kClosed) continue;
+  });
+  FakeUr robot([](State& s, const std::string& script, int run) {
+    if (!is_stop(script)) return;  // starts when the stop is there, too
+    s.after(50, [](State& later) {
+      later.set_run(1);
+      later.set_running(true);
+    });
+    s.after(150, [run](State& later) {
+      later.set_run(run);
+      later.set_running(false);
+    });
+  });
+  UrArmOptions options = robot.options();
+  options.dashboard_port = silent.port();
+  UrArm arm(arm_model(), options, Pose::Identity(), ArmBench::tool());
+  MotionResult moved;
+  std::thread mover([&] { moved = arm.follow(small_arm_move()); });
+  EXPECT_TRUE(eventually([&] { return robot.count("servoj(q") == 1; }));
+  EXPECT_TRUE(eventually([&] { return robot.count("def stonestack") == 2; }, 2.0));
+  mover.join();
+  EXPECT_EQ(moved.status, Status::kStopped);
+  EXPECT_THAT(moved.reason, HasSubstr("started late"));
+  EXPECT_EQ(robot.count("def stonestack"), 2);
+  EXPECT_EQ(silent.connections(), 0) << "it did start";
+}
+
 TEST(UrArm, AnotherClientsProgramIsPausedWhilePausingAndRunsWhileResuming) {
   ArmBench bench([](State& s, const std::string& script, int run) { obey(s, script, run); });
   for (const auto& [state, reason] : {std::pair(UrStatus::kPausing, "paused on the controller"),
@@ -440,8 +504,42 @@ TEST(UrArm, StopFromAnotherThread) {
   stopper.join();
   EXPECT_EQ(moved.status, Status::kStopped);
   EXPECT_THAT(moved.reason, HasSubstr("by command"));
-  EXPECT_EQ(bench.robot.count("def stonestack"), 2);
+  EXPECT_EQ(bench.robot.count("servoj(q"), 1);
   EXPECT_EQ(bench.arm.follow(small_arm_move()).status, Status::kDone) << "a new command moves again";
+}
+
+TEST(UrArm, AStopThatComesBeforeTheProgramIsSentKeepsItFromBeingSent) {
+  ArmBench bench([](State& s, const std::string& script, int run) { obey(s, script, run); });
+  JointTrajectory slow = small_arm_move();
+  slow.time = {0.0, 20000.0};  // the gate takes every control step
+  MotionResult moved;
+  std::thread mover([&] { moved = bench.arm.follow(slow); });
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  EXPECT_EQ(bench.robot.count("servoj(q"), 0) << "the gate is done already";
+  bench.arm.stop();
+  mover.join();
+  EXPECT_EQ(moved.status, Status::kStopped);
+  EXPECT_THAT(moved.reason, HasSubstr("by command"));
+  EXPECT_EQ(bench.robot.count("servoj(q"), 0);
+}
+
+TEST(UrArm, AStopWaitsForAProgramThatHasNotStartedYet) {
+  std::atomic<bool> obeyed{false};
+  ArmBench bench([&obeyed](State& s, const std::string& script, int run) {
+    s.later.clear();
+    if (!is_stop(script)) return;  // starts too late to be seen
+    s.after(60, [&obeyed, run](State& later) {
+      later.set_run(run);
+      obeyed = true;
+    });
+  });
+  MotionResult moved;
+  std::thread mover([&] { moved = bench.arm.follow(small_arm_move()); });
+  EXPECT_TRUE(eventually([&] { return bench.robot.count("servoj(q") == 1; }));
+  bench.arm.stop();
+  EXPECT_TRUE(obeyed) << "the arm stood because the program had not started";
+  mover.join();
+  EXPECT_EQ(moved.status, Status::kStopped);
 }
 
 TEST(UrArm, AStopThatIsNotObeyedIsAnError) {
@@ -508,6 +606,37 @@ TEST(UrArm, LosingTheLinkLosesTheMotion) {
   cutter.join();
   EXPECT_EQ(moved.status, Status::kLost) << moved.reason;
   EXPECT_TRUE(eventually([&] { return bench.robot.count("def stonestack") == 2; })) << "a stop was sent";
+}
+
+TEST(UrArm, AMotionWhoseLinkFallsSilentEndsWhereTheArmWasLastSeen) {
+  ArmBench bench(
+      [](State& s, const std::string& script, int run) { obey(s, script, run, ScriptEnd::kDone, 100000); });
+  JointTrajectory slow = small_arm_move();
+  slow.time = {0.0, 100.0};
+  MotionResult moved;
+  std::thread mover([&] { moved = bench.arm.follow(slow); });
+  EXPECT_TRUE(eventually([&] { return bench.robot.count("servoj(q") == 1; }));
+  bench.robot.change([](State& s) { s.set("actual_q", std::array<double, 6>{0.03, 0, 0, 0, 0, 0}); });
+  EXPECT_TRUE(eventually([&] { return bench.arm.state().q[0] == 0.03; }));
+  const MotionResult second = bench.arm.follow(slow);
+  EXPECT_EQ(second.status, Status::kRefused);
+  EXPECT_THAT(second.reason, HasSubstr("another motion"));
+  EXPECT_EQ(second.q[0], 0.03);
+  bench.robot.set_silent(true);
+  mover.join();
+  EXPECT_EQ(moved.status, Status::kLost);
+  EXPECT_EQ(moved.q[0], 0.03);
+  bench.robot.set_silent(false);
+  std::string reason;
+  EXPECT_TRUE(eventually([&] {
+    try {
+      reason = bench.arm.state().stop_reason;
+      return !reason.empty();
+    } catch (const DeviceError&) {  // the link is being set up anew
+      return false;
+    }
+  }));
+  EXPECT_THAT(reason, HasSubstr("whether a stop was obeyed is not known"));
 }
 
 TEST(UrArm, HeartbeatRises) {

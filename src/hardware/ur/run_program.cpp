@@ -59,13 +59,19 @@ class Run {
 
   /// Sends a stop unless the program came to its own end: what nobody waits for any more must not go on.
   MotionResult carry_through() {
-    const MotionResult ended = wait_for_end();
+    MotionResult ended;
+    try {
+      ended = wait_for_end();
+    } catch (...) {
+      end_program();
+      throw;
+    }
     if (ended.status == Status::kDone || ended.status == Status::kContact ||
         ended.status == Status::kNoContact)
       return ended;
-    if (order_.stop_asked != nullptr && *order_.stop_asked) return ended;  // who asked sends it
-    send_stop(link_);
-    if (last_.is_held()) confirm_stop();
+    end_program();
+    if (overdue_) return explain_overdue();
+    ended.q = last_.q;
     return ended;
   }
 
@@ -82,17 +88,51 @@ class Run {
     return {status, last_.q, last_.force, reason, readings_.mean_of_second_half()};
   }
 
-  /// A paused program that a stop does not reach would move when somebody plays it: without the heartbeat,
-  /// the controller's watchdog ends it then.
-  void confirm_stop() {
-    const Deadline deadline = Deadline::in(link_.options.stop_timeout);
-    for (;;) {
-      const UrStatus now = link_.next_status();
-      if (!now.is_held() && !now.program_running) return;  // the stop itself has run, too
+  void end_program() noexcept {
+    if (!sent_) return;
+    try {
+      confirm_stop(send_stop(link_));
+    } catch (const std::exception& error) {
+      link_.starve(std::string("whether a stop was obeyed is not known: ") + error.what());
+    }
+    link_.program_in_transit = false;
+  }
+
+  /// A program that a stop does not reach goes on, or moves when somebody plays it: without the heartbeat,
+  /// the controller's watchdog ends it. `stop`: run id; 0: it could not be sent.
+  void confirm_stop(int stop) {
+    Deadline deadline = Deadline::in(link_.options.stop_timeout);
+    bool resent = false;
+    while (stop != 0) {
+      last_ = link_.next_status();
+      came_late_ = came_late_ || last_.run == order_.run;
+      const bool is_there = last_.program_running || last_.is_held();
+      const bool is_coming = link_.program_in_transit && last_.run != stop && find_safety_stop(last_).empty();
+      if (!is_there && !is_coming) return;
+      hearing_.listen();
+      if (!resent && hearing_.take_read_only()) {
+        resent = true;
+        link_.primary.reconnect();
+        stop = send_stop(link_);
+        deadline = Deadline::in(link_.options.stop_timeout);
+        continue;
+      }
       if (!deadline.over()) continue;
-      if (now.is_held()) link_.starve("a paused program did not obey a stop");
+      if (is_there)
+        link_.starve(concat(last_.is_held() ? "a paused program" : "a program", " did not obey a stop"));
       return;
     }
+  }
+
+  /// False: a stop was asked for.
+  bool send() {
+    throw_if_interrupted();
+    link_.program_in_transit = true;                 // before it is: a stop that waits its turn must know
+    const bool before = std::exchange(sent_, true);  // a part of it, if this throws
+    if (link_.primary.send_unless(order_.script, order_.stop_asked)) return true;
+    link_.program_in_transit = false;
+    sent_ = before;
+    return false;
   }
 
   UrStatus turn() {
@@ -105,26 +145,44 @@ class Run {
 
   /// Empty once the program has written its run id.
   std::optional<MotionResult> start() {
-    link_.primary.send(order_.script);
+    last_ = link_.status();
+    q_before_ = last_.q;
+    if (!send()) return stopped_by_command();
     Deadline deadline = Deadline::in(link_.options.start_timeout);
     bool resent = false;
     while (!deadline.over()) {
       const UrStatus now = turn();
-      if (now.run == order_.run) return std::nullopt;
+      if (now.run == order_.run) {
+        link_.program_in_transit = false;
+        return std::nullopt;
+      }
       if (auto stopped = find_stop(now)) return stopped;
       if (hearing_.died())
         return result(Status::kRefused, "the program did not start: " + hearing_.last_words());
       if (!hearing_.take_read_only()) continue;
+      link_.program_in_transit = false;
       if (resent) break;  // C210 twice
       resent = true;
       link_.primary.reconnect();
       if (auto other = link_.other_safety_configuration(); !other.empty())
         return result(Status::kRefused, other);
-      link_.primary.send(order_.script);
+      if (!send()) return stopped_by_command();
       deadline = Deadline::in(link_.options.start_timeout);
     }
+    overdue_ = true;
+    return result(Status::kRefused, {});
+  }
+
+  /// After the stop: asking the Dashboard takes seconds, in which a program that starts late would move.
+  [[nodiscard]] MotionResult explain_overdue() const {
+    if (came_late_ || (last_.q - q_before_).cwiseAbs().maxCoeff() > kStartTolerance)
+      return result(Status::kStopped, "the program started late and was stopped");
     return result(Status::kRefused, concat("the program did not start within ", link_.options.start_timeout,
                                            " s; ", link_.explain_silence()));
+  }
+
+  [[nodiscard]] MotionResult stopped_by_command() const {
+    return result(Status::kStopped, "stopped by command");
   }
 
   /// Safety stop, a stop that was asked for, a link that was lost in between.
@@ -133,8 +191,7 @@ class Run {
       link_.disarm(safety);
       return result(Status::kStopped, safety);
     }
-    if (order_.stop_asked != nullptr && *order_.stop_asked)
-      return result(Status::kStopped, "stopped by command");
+    if (order_.stop_asked != nullptr && *order_.stop_asked) return stopped_by_command();
     if (link_.rtde.counts().sessions == sessions_) return std::nullopt;
     return result(Status::kLost,
                   "the RTDE link was lost in transit; the controller's watchdog has stopped it");
@@ -224,6 +281,8 @@ class Run {
   Hearing hearing_;
   const int sessions_;
   UrStatus last_;
+  Joints q_before_ = Joints::Zero();  // the program
+  bool sent_ = false, overdue_ = false, came_late_ = false;
   GuardReadings readings_;
   std::optional<Stopwatch> ended_for_;
   std::optional<double> before_;
@@ -237,26 +296,23 @@ class Run {
 
 }  // namespace
 
-void send_stop(UrLink& link) noexcept {
+int send_stop(UrLink& link) noexcept {
   try {
     ScriptContext context;
     context.version = link.version;
     context.run = link.next_run();
     context.options = link.options.script;
     link.primary.send(write_stop(context));
+    return context.run;
   } catch (const std::exception& error) {
     link.starve(std::string("could not send a stop: ") + error.what());
     log_warning(std::string("could not send a stop, the controller's watchdog must do it: ") + error.what());
+    return 0;
   }
 }
 
 MotionResult run_program(UrLink& link, const ProgramOrder& order) {
-  try {
-    return Run(link, order).carry_through();
-  } catch (...) {
-    send_stop(link);
-    throw;
-  }
+  return Run(link, order).carry_through();
 }
 
 }  // namespace stonestack::hardware

@@ -15,11 +15,13 @@ struct ProgramOrder {
 };
 
 /// kDone, kContact and kNoContact are the program's own ends; otherwise `reason` gives the cause, and a stop
-/// was sent. A pause by a person is waited for, up to `pause_limit`. Whatever the end, the program does not
-/// run any more, or the link is lost and the controller's watchdog ends it. Rethrows what `each_turn` throws
-/// and Interrupted, after stopping.
+/// was sent, unless `stop_asked` kept the program itself from being sent. A pause by a person is waited for,
+/// up to `pause_limit`. Whatever the end, the program does not run any more, or the link is without a
+/// heartbeat and the controller's watchdog ends it. Rethrows what `each_turn` throws and Interrupted, after
+/// stopping.
 [[nodiscard]] MotionResult run_program(UrLink& link, const ProgramOrder& order);
-/// Sends a stop program and forgets about it; for ends where nobody may wait. Never throws.
-void send_stop(UrLink& link) noexcept;
+/// Sends a stop program and returns its run id; 0, and the link is without a heartbeat, where that failed.
+/// Never throws.
+int send_stop(UrLink& link) noexcept;
 
 }  // namespace stonestack::hardware

@@ -174,13 +174,15 @@ MotionResult UrArm::follow_guarded(const GuardedMotion& motion) {
 }
 
 void UrArm::stop() {
-  device_->stop_asked = true;
-  send_stop(device_->link);
+  device_->stop_asked = true;  // before the stop is sent: no program follows it
+  const int stop = send_stop(device_->link);
   const Deadline deadline = Deadline::in(device_->link.options.stop_timeout);
   while (!deadline.over()) {
+    const bool in_transit = device_->link.program_in_transit;  // read before the status in which it ends
     const UrStatus now = device_->link.next_status();
+    if (!find_safety_stop(now).empty()) return;   // the safety system has stopped it
+    if (in_transit && now.run != stop) continue;  // a program may yet start
     if (!now.program_running && !now.is_held() && now.qd.cwiseAbs().maxCoeff() < kStandstillSpeed) return;
-    if (!find_safety_stop(now).empty()) return;  // the safety system has stopped it
   }
   device_->link.starve("a stop was not obeyed");
   throw DeviceError(device_->name(),
