@@ -65,7 +65,7 @@ struct UrArm::Device {
 
   MotionResult follow(const JointTrajectory& trajectory, const GuardedMotion* guard) {
     const std::unique_lock moving(motion, std::try_to_lock);
-    if (!moving) return {Status::kRefused, last_q, 0.0, "another motion is in progress"};
+    if (!moving) return {Status::kRefused, link.status().q, 0.0, "another motion is in progress"};
     stop_asked = false;
     const UrStatus now = link.next_status();
     last_q = now.q;
@@ -75,7 +75,8 @@ struct UrArm::Device {
     if (refusal.empty() && guard != nullptr && force_torque == nullptr)
       refusal = "a guarded motion needs a force-torque sensor";
     if (!refusal.empty()) return {Status::kRefused, now.q, 0.0, refusal};
-    ProgramOrder order{{}, c.run, trajectory.duration(), {}, &stop_asked};
+    ProgramOrder order{
+        {}, c.run, trajectory.duration(), [&](const UrStatus& status) { last_q = status.q; }, &stop_asked};
     if (guard == nullptr) {
       order.script = write_trajectory(trajectory, c);
       return run(order);
@@ -84,13 +85,15 @@ struct UrArm::Device {
     order.script =
         write_guarded(trajectory, {T_W_B.rotation().transpose() * guard->n_W_direction, guard->threshold}, c);
     double last_reading = -1.0;
-    order.each_turn = [&](const UrStatus& status) { stream_force(status, last_reading); };
+    order.each_turn = [&](const UrStatus& status) {
+      last_q = status.q;
+      stream_force(status, last_reading);
+    };
     return run(order);
   }
 
   /// A reading is passed on once, so that the controller's counter shows a sensor that has gone silent.
   void stream_force(const UrStatus& status, double& last_reading) {
-    last_q = status.q;
     const Wrench wrench = force_torque->read();
     if (wrench.device_time == last_reading) return;
     last_reading = wrench.device_time;
@@ -134,10 +137,10 @@ struct UrArm::Device {
   RobotModel robot;
   Pose T_W_R, T_F_T;
   ForceTorqueSensor* force_torque;
-  std::mutex motion;  // one motion at a time; guards payload and centre
+  std::mutex motion;  // one motion at a time; guards the next three
   std::optional<double> payload;
   Eigen::Vector3d p_F_com = Eigen::Vector3d::Zero();
-  Joints last_q = Joints::Zero();
+  Joints last_q = Joints::Zero();  // as the latest motion has seen it
   std::atomic<bool> stop_asked{false};
   UrLink link;
 };
