@@ -70,7 +70,8 @@ struct ThreeFingerGripper::Link {
   ModbusClient client;
   GripperRequest last;  // what was written last
   bool commanded = false;
-  std::optional<int> scissor;  // count that `spread` asked for; empty: as the mode has it
+  std::optional<int> scissor;   // count that `spread` asked for; empty: as the mode has it
+  bool scissor_arrived = true;  // at it
 
   explicit Link(const ThreeFingerOptions& o)
       : options(o), layout(gripper_layout(o.preset)), client("Robotiq gripper", resolve(o, layout)) {}
@@ -272,7 +273,7 @@ void ThreeFingerGripper::spread(double spacing) {
   const double share = (spacing - kWideSpacing) / (kNarrowSpacing - kWideSpacing);
   const int count = static_cast<int>(std::lround(kWideCount + share * (o.narrow_count - kWideCount)));
   const int now = link.scissor.value_or(static_cast<int>(std::lround(kWideCount)));
-  if (count == now) return;
+  if (count == now && link.scissor_arrived) return;
   GripperRequest request;
   request.mode = status.mode;
   request.go = true;
@@ -280,10 +281,12 @@ void ThreeFingerGripper::spread(double spacing) {
   for (std::size_t i = 0; i < 3; ++i) request.axes[i] = {status.axes[i].request, 255, 0};
   request.axes[3] = {count, 255, 0};
   link.scissor = count;
+  link.scissor_arrived = false;
   link.move(request);
   // The gripper's status speaks of the three fingers; the scissor has its own.
   link.wait(kModeTimeout, "drawing fingers B and C together or apart",
             [](const ThreeFingerStatus& s) { return s.axes[3].object != Object::kMoving; });
+  link.scissor_arrived = true;
 }
 
 ThreeFingerStatus ThreeFingerGripper::move_fingers(const std::array<FingerRequest, 3>& fingers,

@@ -185,6 +185,18 @@ TEST(GripperFaults, AFaultDuringAMotionEndsIt) {
               ThrowsMessage<DeviceError>(HasSubstr("a motion of the fingers did not finish within")));
 }
 
+TEST(GripperFaults, ASpreadThatFailedIsCommandedAgain) {
+  const FaultBench bench;
+  ThreeFingerGripper gripper = bench.ready();
+  GripperFaults faults;
+  faults.ignored_writes = 2;  // the request and its repetition
+  bench.arm(faults);
+  EXPECT_THAT([&] { gripper.spread(0.042); }, ThrowsMessage<DeviceError>(HasSubstr("does not echo it")));
+  bench.arm(GripperFaults{});
+  gripper.spread(0.042);
+  EXPECT_NEAR(gripper.status().axes[3].position, 220, 1);
+}
+
 TEST(GripperFaults, ALostRequestIsSentOnceMoreThenReported) {
   const FaultBench bench;
   ThreeFingerGripper gripper = bench.ready();
