@@ -83,7 +83,13 @@ DepthFrame FrameCheck::pass(DepthFrame frame) {
     throw DeviceError(device_, problem, remedy);
   };
   if (!std::isfinite(frame.device_time)) fail("frame without a finite time", "start the camera again");
-  if (!first_ && (frame.number <= number_ || frame.device_time <= time_))
+  const std::string_view bytes(reinterpret_cast<const char*>(frame.image.z.data()),
+                               frame.image.z.size() * sizeof(float));
+  const std::size_t image = std::hash<std::string_view>()(bytes);
+  const bool is_repeated = frame.number == number_ && frame.device_time == time_ && image == image_;
+  const bool begins_anew =
+      restarted_ && frame.number <= number_ && frame.device_time <= time_ && !is_repeated;
+  if (!begins_anew && !first_ && (frame.number <= number_ || frame.device_time <= time_))
     fail(concat("frame ", frame.number, " at ", frame.device_time, " s after frame ", number_, " at ", time_,
                 " s: the stream is stale"),
          "start the camera again");
@@ -101,13 +107,10 @@ DepthFrame FrameCheck::pass(DepthFrame frame) {
   if (median < kNearestMedian || median > kFarthestMedian)
     fail(concat("median depth ", median, " m is outside ", kNearestMedian, " to ", kFarthestMedian, " m"),
          "check depth_scale");
-  const std::string_view bytes(reinterpret_cast<const char*>(frame.image.z.data()),
-                               frame.image.z.size() * sizeof(float));
-  const std::size_t image = std::hash<std::string_view>()(bytes);
   if (options_.refuse_equal_image && !first_ && image == image_)
     fail(concat("frame ", frame.number, " equals the one before, pixel by pixel: the image is frozen"),
          "start the camera again");
-  first_ = false;
+  first_ = restarted_ = false;
   number_ = frame.number;
   time_ = frame.device_time;
   image_ = image;

@@ -44,11 +44,14 @@ class FrameCheck {
       : device_(std::move(device)), options_(options) {}
   /// The frame itself, if it is good.
   [[nodiscard]] DepthFrame pass(DepthFrame frame);
+  /// On a new connection: the next frame may begin anew with number and time, once, as those of a device that
+  /// was started again do. Its image must still be another one.
+  void restarted() { restarted_ = true; }
 
  private:
   std::string device_;
   FrameCheckOptions options_;
-  bool first_ = true;
+  bool first_ = true, restarted_ = false;
   long number_ = 0;
   double time_ = 0.0;
   std::size_t image_ = 0;  // hash

@@ -67,7 +67,10 @@ DepthFrame StreamCamera::capture() {
   std::string problem;
   for (int attempt = 0; attempt < link_->options.attempts; ++attempt) {
     throw_if_interrupted();
-    if (!link_->stream) link_->connect();
+    if (!link_->stream) {
+      link_->connect();
+      link_->check.restarted();
+    }
     if (auto frame = link_->ask(problem)) return link_->check.pass(std::move(*frame));
     link_->stream.reset();
   }

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <memory>
 #include <vector>
 
 #include "hardware/camera/stream_camera.hpp"
@@ -116,6 +117,27 @@ TEST(CameraSimulator, StaleFrozenEmptyAndMisscaledFramesAreRefused) {
     EXPECT_THAT([&] { (void)camera.capture(); }, ThrowsMessage<DeviceError>(HasSubstr(text)));
     EXPECT_NEAR(camera.capture().image.at(5, 5), 0.7, 0.0002) << "the next good one is taken";
   }
+}
+
+TEST(CameraSimulator, AServerThatWasStartedAgainIsTakenUpOnce) {
+  IdealDepthPlant plant(small_camera(), 0.7, 0.000125);
+  auto simulator = std::make_unique<CameraSimulator>(plant);
+  StreamCameraOptions options;
+  options.port = simulator->endpoint().port;
+  options.frame_timeout = 2.0;
+  StreamCamera camera(options);
+  for (int k = 0; k < 3; ++k) (void)camera.capture();
+  simulator.reset();
+  IdealDepthPlant again(small_camera(), 0.7, 0.000125);  // numbers and times begin anew
+  CameraSimulatorOptions same_port;
+  same_port.port = options.port;
+  simulator = std::make_unique<CameraSimulator>(again, same_port);
+  EXPECT_EQ(camera.capture().number, 1);
+  EXPECT_EQ(camera.capture().number, 2);
+  CameraFaults faults;
+  faults.repeated = 1;
+  simulator->set_faults(faults);
+  EXPECT_THAT([&] { (void)camera.capture(); }, ThrowsMessage<DeviceError>(HasSubstr("the stream is stale")));
 }
 
 TEST(CameraSimulator, AMissingDeviceIsNamed) {
