@@ -1,6 +1,7 @@
 #include "emulators/tcp_service.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <exception>
 
 #include "stonestack/core/error.hpp"
@@ -9,7 +10,8 @@
 namespace stonestack::emulators {
 namespace {
 constexpr double kServiceTurn = 0.5;  // s between checks for threads that ended
-}
+constexpr double kServiceRest = 0.1;  // s until it tries again, out of sockets or threads
+}  // namespace
 
 TcpService::TcpService(const ListenOptions& options, Serve serve, int max_clients)
     : listener_(options), serve_(std::move(serve)), max_clients_(max_clients) {
@@ -43,17 +45,29 @@ void TcpService::sweep() {
 }
 
 void TcpService::accept_clients() {
+  bool cannot_accept = false;
   while (!listener_.is_closed()) {
     try {
       auto stream = listener_.accept(Deadline::in(kServiceTurn));
       sweep();
-      if (!stream || clients() >= max_clients_) continue;
-      const std::lock_guard lock(mutex_);
-      Client& client = clients_.emplace_back(std::move(*stream));
-      client.thread = std::thread([this, &client] { run(client); });
-    } catch (const std::exception& problem) {
-      log_warning(problem.what());
+      if (stream && clients() < max_clients_) admit(std::move(*stream));
+      cannot_accept = false;
+    } catch (const std::exception& problem) {  // those who are there go on
+      if (!cannot_accept) log_warning(concat("simulated device: ", problem.what()));
+      cannot_accept = true;
+      std::this_thread::sleep_for(std::chrono::duration<double>(kServiceRest));
     }
+  }
+}
+
+void TcpService::admit(TcpStream stream) {
+  const std::lock_guard lock(mutex_);
+  Client& client = clients_.emplace_back(std::move(stream));
+  try {
+    client.thread = std::thread([this, &client] { run(client); });
+  } catch (...) {
+    clients_.pop_back();
+    throw;
   }
 }
 

@@ -36,6 +36,7 @@ class TcpService {
     std::thread thread;
   };
   void accept_clients();
+  void admit(TcpStream stream);
   void run(Client& client);
   void sweep();
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/log.hpp"
 
 namespace stonestack::simulation {
 namespace {
@@ -91,19 +92,27 @@ void SharedWorld::start(double speed) {
   stop();
   stopping_ = false;
   loop_ = std::thread([this, speed] {
-    using Steady = std::chrono::steady_clock;
-    const auto period =
-        std::chrono::duration_cast<Steady::duration>(std::chrono::duration<double>(kTick / speed));
-    std::unique_lock guard(mutex_);
-    for (auto next = Steady::now(); !stopping_;) {
-      advance(world_->commanded_pose().T_W_T, kTick);
-      time_passed_.notify_all();
-      next = std::max(next + period, Steady::now() - 50 * period);  // never races to catch up for long
-      guard.unlock();
-      std::this_thread::sleep_until(next);
-      guard.lock();
+    try {
+      pass_time(speed);
+    } catch (const std::exception& problem) {
+      log_error(std::string("simulated world: time stands still: ") + problem.what());
     }
   });
+}
+
+void SharedWorld::pass_time(double speed) {
+  using Steady = std::chrono::steady_clock;
+  const auto period =
+      std::chrono::duration_cast<Steady::duration>(std::chrono::duration<double>(kTick / speed));
+  std::unique_lock guard(mutex_);
+  for (auto next = Steady::now(); !stopping_;) {
+    advance(world_->commanded_pose().T_W_T, kTick);
+    time_passed_.notify_all();
+    next = std::max(next + period, Steady::now() - 50 * period);  // never races to catch up for long
+    guard.unlock();
+    std::this_thread::sleep_until(next);
+    guard.lock();
+  }
 }
 
 void SharedWorld::stop() {

@@ -65,6 +65,7 @@ class SharedWorld {
 
  private:
   Progress advance(const Pose& T_W_T, double seconds);
+  void pass_time(double speed);
 
   TrueWorld* world_;
   TrueMounting mounting_;

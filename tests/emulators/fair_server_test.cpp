@@ -6,10 +6,12 @@
 #include <sys/resource.h>
 #include <sys/socket.h>
 
+#include <algorithm>
 #include <chrono>
 #include <thread>
 
 #include "core/socket.hpp"
+#include "emulators/tcp_service.hpp"
 #include "emulators/ur/script_queue.hpp"
 #include "script_bench.hpp"
 #include "stonestack/core/clock.hpp"
@@ -157,6 +159,30 @@ TEST(FairServer, OutOfSocketsItServesThoseWhoAreThere) {
   EXPECT_EQ(first.read_line(1000, Deadline::in(10)).line, "Robotmode: RUNNING");
   TcpStream heard(Descriptor(late), "late");
   EXPECT_THAT(heard.read_line(1000, Deadline::in(10)).line, HasSubstr("Connected")) << "its turn comes";
+}
+
+TEST(FairServer, AServiceThatIsOutOfSocketsWarnsOnceAndGoesOn) {
+  TcpService service({}, [](TcpStream& stream) {
+    static_cast<void>(stream.write_all(std::string_view("welcome\n"), Deadline::in(5)));
+  });
+  const int late = ::socket(AF_INET, SOCK_STREAM, 0);
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
+  testing::internal::CaptureStderr();
+  const rlimit none{3, before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &none), 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<std::uint16_t>(service.endpoint().port));
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  EXPECT_EQ(::connect(late, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &before), 0);
+  TcpStream heard(Descriptor(late), "late");
+  EXPECT_EQ(heard.read_line(1000, Deadline::in(10)).line, "welcome") << "its turn comes";
+  const std::string log = testing::internal::GetCapturedStderr();
+  EXPECT_EQ(std::count(log.begin(), log.end(), '\n'), 1) << log.substr(0, 1000);
+  EXPECT_THAT(log, HasSubstr(to_text(service.endpoint())));
 }
 
 TEST(FairServer, ANinthSecondaryProgramIsRefusedAndReported) {

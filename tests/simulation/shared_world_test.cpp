@@ -5,6 +5,7 @@
 #include <atomic>
 
 #include "pebble.hpp"
+#include "stonestack/core/error.hpp"
 
 namespace stonestack::simulation {
 namespace {
@@ -54,6 +55,19 @@ TEST(SharedWorld, OthersWaitForSimulatedTime) {
   bench.world.stop();
   const double end = bench.world.time();
   EXPECT_FALSE(bench.world.wait_until(end + 0.01, 0.05));
+}
+
+TEST(SharedWorld, AnErrorOfTheFingersControlStopsTimeAndNotTheProcess) {
+  SharedBench bench;
+  const double start = bench.world.time();
+  bench.world.drive_fingers(
+      [](const TrueWorld&, double) -> FingerPlaces { throw DeviceError("fingers", "broken", "none"); });
+  bench.world.start(50.0);
+  EXPECT_FALSE(bench.world.wait_until(start + 0.1, 0.5));
+  bench.world.stop();
+  bench.world.drive_fingers({});
+  bench.world.start(50.0);
+  EXPECT_TRUE(bench.world.wait_until(start + 0.1, 30.0)) << "it can be started again";
 }
 
 }  // namespace

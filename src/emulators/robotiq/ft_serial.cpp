@@ -4,6 +4,8 @@
 #include <chrono>
 #include <cmath>
 
+#include "emulators/logged_thread.hpp"
+
 namespace stonestack::emulators {
 namespace {
 
@@ -34,7 +36,7 @@ FtSerialServer::FtSerialServer(FtSource& source, const FtSimulatorOptions& optio
       line_(PseudoTerminal::open(options.link)),
       unit_(static_cast<std::uint8_t>(options.unit)),
       streaming_(options.streaming),
-      thread_([this] { run(); }) {}
+      thread_(make_logged_thread("simulated force sensor at " + line_.path(), [this] { run(); })) {}
 
 FtSerialServer::~FtSerialServer() {
   stop_ = true;

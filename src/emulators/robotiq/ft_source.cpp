@@ -3,6 +3,7 @@
 #include <chrono>
 #include <utility>
 
+#include "emulators/logged_thread.hpp"
 #include "stonestack/core/random.hpp"
 
 namespace stonestack::emulators {
@@ -38,7 +39,10 @@ void IdealWrenchPlant::set(const Wrench& wrench) {
 }
 
 FtSource::FtSource(WrenchPlant& plant, double rate, double speed_up)
-    : plant_(&plant), rate_(rate), speed_up_(speed_up), thread_([this] { run(); }) {}
+    : plant_(&plant),
+      rate_(rate),
+      speed_up_(speed_up),
+      thread_(make_logged_thread("simulated force sensor", [this] { run(); })) {}
 
 FtSource::~FtSource() {
   stop_ = true;

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <chrono>
 
+#include "emulators/logged_thread.hpp"
 #include "emulators/robotiq/gripper_registers.hpp"
 #include "emulators/robotiq/modbus_server.hpp"
 #include "stonestack/core/clock.hpp"
@@ -112,7 +113,7 @@ GripperSimulator::GripperSimulator(GripperPlant& plant, const GripperSimulatorOp
         std::make_unique<ModbusTcpServer>(ListenOptions{options.address, options.port}, handler, parts.wire);
   if (options.rtu)
     parts.rtu = std::make_unique<ModbusRtuServer>(options.link, options.unit, handler, parts.wire);
-  parts.stepper = std::thread([&parts] { parts.step(); });
+  parts.stepper = make_logged_thread("simulated gripper", [&parts] { parts.step(); });
 }
 
 GripperSimulator::~GripperSimulator() {

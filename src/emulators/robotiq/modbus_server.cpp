@@ -3,6 +3,7 @@
 #include <array>
 #include <chrono>
 
+#include "emulators/logged_thread.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
 
@@ -133,7 +134,7 @@ ModbusRtuServer::ModbusRtuServer(const std::string& link, int unit, ModbusHandle
       unit_(static_cast<std::uint8_t>(unit)),
       handler_(std::move(handler)),
       faults_(&faults),
-      thread_([this] { serve(); }) {}
+      thread_(make_logged_thread("Modbus server at " + line_.path(), [this] { serve(); })) {}
 
 ModbusRtuServer::~ModbusRtuServer() {
   line_.shut();

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <utility>
 
+#include "emulators/logged_thread.hpp"
 #include "emulators/robotiq/modbus_server.hpp"
 #include "emulators/robotiq/two_finger_registers.hpp"
 #include "protocol/gripper_text.hpp"
@@ -133,7 +134,7 @@ TwoFingerSimulator::TwoFingerSimulator(GripperPlant& plant, const GripperFile& f
     parts.rtu = std::make_unique<ModbusRtuServer>(
         options.link, options.unit,
         [&parts](const modbus::Request& request) { return parts.handle(request); }, parts.wire);
-  parts.stepper = std::thread([&parts] { parts.step(); });
+  parts.stepper = make_logged_thread("simulated gripper", [&parts] { parts.step(); });
 }
 
 TwoFingerSimulator::~TwoFingerSimulator() {

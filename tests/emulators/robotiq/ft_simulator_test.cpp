@@ -117,6 +117,19 @@ TEST(FtSimulator, LibmodbusReadsWhoItIsAndTheJamStopsTheStream) {
   modbus_free(master);
 }
 
+TEST(FtSimulator, AnErrorOfItsMechanicsIsSilenceAndDoesNotEndTheProcess) {
+  struct BrokenWrenchPlant final : WrenchPlant {
+    Wrench sample(double /*seconds*/) override { throw DeviceError("plant", "is broken", "none"); }
+  };
+  BrokenWrenchPlant plant;
+  FtSimulator simulator(plant, {});
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  FtSensorOptions options;
+  options.device = simulator.serial_path();
+  options.start_timeout = 0.3;
+  EXPECT_THROW(RobotiqFtSensor sensor(options), DeviceError);
+}
+
 TEST(FtSimulator, ADriverThatFindsTheSensorStreamingOrNotStartsIt) {
   ASSERT_EQ(std::system("command -v python3 >/dev/null 2>&1"), 0) << "./dev packages installs python3";
   for (const bool streaming : {false, true}) {

@@ -4,6 +4,7 @@
 #include <modbus/modbus.h>
 
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -294,6 +295,27 @@ TEST(GripperSimulator, FingersBAndCDrawTogetherAndStaySo) {
   gripper.spread(0.073);
   EXPECT_NEAR(gripper.status().axes[3].position, 137, 1);
   EXPECT_THAT([&] { gripper.spread(0.02); }, ThrowsMessage<InvalidArgument>(HasSubstr("asked for 0.02")));
+}
+
+/// Works until it is broken.
+struct FragileGripperPlant final : GripperPlant {
+  void command(const std::array<AxisCommand, kGripperAxes>& axes) override { ideal.command(axes); }
+  std::array<AxisReport, kGripperAxes> advance(double seconds) override {
+    if (broken) throw DeviceError("plant", "is broken", "none");
+    return ideal.advance(seconds);
+  }
+  IdealGripperPlant ideal;
+  std::atomic<bool> broken{false};
+};
+
+TEST(GripperSimulator, AnErrorOfItsMechanicsDoesNotEndTheProcess) {
+  FragileGripperPlant plant;
+  const GripperSimulator simulator(plant, fast(false));
+  ThreeFingerGripper gripper(client_options(simulator, "tcp2018"));
+  gripper.activate();
+  plant.broken = true;
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_TRUE(gripper.is_active()) << "the wire is still served";
 }
 
 TEST(GripperSimulator, ARestartedProgramStillKnowsThatItHoldsAStone) {
