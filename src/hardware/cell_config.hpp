@@ -58,10 +58,10 @@ struct CellConfig {
   RecordedCameraOptions recorded;
   PoseNumbers T_W_R{0, 0, 0, 0, 0, 0, 1};
   PoseNumbers T_F_T;                ///< tool tip in the flange
-  PoseNumbers T_T_C;                ///< name-eye calibration: camera in the tool
+  PoseNumbers T_T_C;                ///< hand-eye calibration: camera in the tool
   std::string hand_eye;             ///< file of the calibration in place of T_T_C, beside the cell file
   std::optional<Pose> T_F_C;        ///< what `read_hand_eye` read there
-  double sensor_mass, camera_mass;  ///< in the gripper beside the gripper [kg]
+  double sensor_mass, camera_mass;  ///< on the flange, beside the gripper [kg]
   double site_x, site_y, field_x, field_y, field_width, field_depth;  ///< in W [m]; see CellLayout
   std::string obstacles_text;                                         ///< the list as it stands in the file
   std::vector<Obstacle> obstacles;                                    ///< what `read_cell_file` read there

@@ -35,7 +35,7 @@ inline constexpr int kForceSamples = 10;
 inline constexpr double kComplyForce = 10.0;
 /// Speed while complying, m/s. Design choice.
 inline constexpr double kComplySpeed = 0.01;
-/// Distance between the first knot and the arm, rad. hardware/arm.hpp.
+/// Distance between the first knot and the arm, rad. stonestack/hardware/devices.hpp.
 inline constexpr double kStartTolerance = 0.01;
 /// Allowed share of the joint speed limits. Design choice.
 inline constexpr double kSpeedMargin = 1.01;

@@ -11,7 +11,7 @@ namespace stonestack::hardware {
 
 FieldList fields(StreamCameraOptions& o) {
   FieldList own = {
-      user(field("address", o.address, "of the server, numeric IPv4")),
+      user(field("address", o.address, "of the server, or its name in the network")),
       user(field("port", o.port, {0, 65535}, "", "of the server")),
       field("frame_timeout", o.frame_timeout, {0.05, 60.0}, "s", "until the next frame"),
       field("attempts", o.attempts, {1, 10}, "", "of a connection"),

@@ -50,7 +50,7 @@ class RobotiqFtSensor final : public ForceTorqueSensor {
   /// @throws DeviceError when none comes (the stream is started anew meanwhile), when one axis exceeds its
   /// range and when the reading is stuck.
   [[nodiscard]] Wrench read() override;
-  /// Mean of the next `zero_samples` readings.
+  /// Mean of the next `kZeroSamples` readings.
   /// @throws DeviceError when they spread too far.
   void zero() override;
   [[nodiscard]] FtStreamHealth health() const;

@@ -8,7 +8,7 @@ namespace stonestack::hardware {
 FieldList fields(ModbusOptions& o) {
   return {
       field("link", o.link, "tcp or rtu"),
-      user(field("address", o.address, "over TCP: numeric IPv4")),
+      user(field("address", o.address, "over TCP, or its name in the network")),
       field("port", o.port, {1, 65535}, "", "over TCP; the standard's is 502"),
       user(field("device", o.device, "over a serial line: its path")),
       field("unit", o.unit, {0, 255}, "", "Robotiq manual: 2 over TCP, 9 on a serial line"),

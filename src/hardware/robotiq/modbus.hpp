@@ -11,7 +11,7 @@ namespace stonestack::hardware {
 /// How to reach a Modbus device, and how patiently.
 struct ModbusOptions {
   std::string link = "tcp";           ///< tcp or rtu
-  std::string address = "127.0.0.1";  ///< tcp: numeric IPv4
+  std::string address = "127.0.0.1";  ///< tcp: of the device, or its name in the network
   int port = 502;                     ///< tcp
   std::string device;                 ///< rtu: path of the serial line
   int unit = 2;                       ///< unit (slave) id; a reply by another one is refused
