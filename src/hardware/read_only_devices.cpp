@@ -9,7 +9,7 @@
 namespace stonestack::hardware {
 namespace {
 
-[[noreturn]] void refuse(const char* command) {
+[[noreturn]] void refuse_command(const char* command) {
   throw InvalidArgument(concat("devices that are only read were told to ", command));
 }
 
@@ -18,13 +18,15 @@ class ReadOnlyArm final : public Arm {
   explicit ReadOnlyArm(std::function<ArmState()> read) : read_(std::move(read)) {}
   [[nodiscard]] ArmState state() override { return read_(); }
   [[nodiscard]] MotionResult follow(const JointTrajectory& /*trajectory*/) override {
-    refuse("move the arm");
+    refuse_command("move the arm");
   }
   [[nodiscard]] MotionResult follow_guarded(const GuardedMotion& /*motion*/) override {
-    refuse("move the arm");
+    refuse_command("move the arm");
   }
   void stop() override {}
-  void set_payload(double /*mass*/, const Eigen::Vector3d& /*p_F_com*/) override { refuse("set a payload"); }
+  void set_payload(double /*mass*/, const Eigen::Vector3d& /*p_F_com*/) override {
+    refuse_command("set a payload");
+  }
 
  private:
   std::function<ArmState()> read_;
@@ -34,15 +36,15 @@ class ReadOnlyGripper final : public Gripper {
  public:
   [[nodiscard]] GripperState state() override { return {}; }
   GripperState move(double /*opening*/, double /*speed*/, double /*force*/) override {
-    refuse("move the fingers");
+    refuse_command("move the fingers");
   }
-  void spread(double /*spacing*/) override { refuse("spread the fingers"); }
+  void spread(double /*spacing*/) override { refuse_command("spread the fingers"); }
 };
 
 class ReadOnlySensor final : public ForceTorqueSensor {
  public:
-  [[nodiscard]] Wrench read() override { refuse("measure a force"); }
-  void zero() override { refuse("take a zero"); }
+  [[nodiscard]] Wrench read() override { refuse_command("measure a force"); }
+  void zero() override { refuse_command("take a zero"); }
 };
 
 }  // namespace

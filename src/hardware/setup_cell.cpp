@@ -40,7 +40,7 @@ std::string listed(const std::vector<std::string>& words) {
   return text;
 }
 
-[[noreturn]] void refuse(const std::string& problem) {
+[[noreturn]] void refuse_setup(const std::string& problem) {
   throw Error(problem, ExitCode::kUsage);
 }
 
@@ -78,13 +78,13 @@ std::string robot_of(const CellSetup& setup, const ControllerDescription& contro
     for (const char c : controller.model)
       name += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     if (name.empty())
-      refuse(concat("PolyScope ", controller.polyscope,
-                    " does not say which arm it has: give it with --robot (", listed(known), ")"));
+      refuse_setup(concat("PolyScope ", controller.polyscope,
+                          " does not say which arm it has: give it with --robot (", listed(known), ")"));
     if (controller.e_series && name.back() != 'e') name += 'e';
   }
   if (std::find(known.begin(), known.end(), name) == known.end())
-    refuse(concat("the arm is a '", name, "', which is unknown; known are ", listed(known),
-                  ": give the one whose kinematics it has with --robot, or write `robot: FILE.urdf`"));
+    refuse_setup(concat("the arm is a '", name, "', which is unknown; known are ", listed(known),
+                        ": give the one whose kinematics it has with --robot, or write `robot: FILE.urdf`"));
   return name;
 }
 
@@ -218,7 +218,7 @@ void require_address(const std::string& address) {
     return std::isalnum(c) != 0 || std::string(".-_:%").find(static_cast<char>(c)) != std::string::npos;
   });
   if (!sound)
-    refuse(concat("'", address, "' is no address or name of a device, as 192.168.1.10 or ur10.local"));
+    refuse_setup(concat("'", address, "' is no address or name of a device, as 192.168.1.10 or ur10.local"));
 }
 
 }  // namespace
@@ -248,14 +248,14 @@ ControllerDescription describe_controller(const std::string& arm) {
 void require_sound(const CellSetup& setup) {
   const std::string ending = std::filesystem::path(setup.path).extension().string();
   if (ending != ".yaml" && ending != ".yml")
-    refuse(concat("'", setup.path, "' is no name for a cell file: it ends with .yaml"));
-  if (setup.arm.empty()) refuse("the robot's address is missing: give it with --address HOST");
+    refuse_setup(concat("'", setup.path, "' is no name for a cell file: it ends with .yaml"));
+  if (setup.arm.empty()) refuse_setup("the robot's address is missing: give it with --address HOST");
   if (std::find(kGrippers.begin(), kGrippers.end(), setup.gripper) == kGrippers.end())
-    refuse(concat("the gripper '", setup.gripper, "' is unknown; known are ", listed(kGrippers),
-                  ". For one of your own write `hand: FILE.yaml` into the cell file afterwards"));
+    refuse_setup(concat("the gripper '", setup.gripper, "' is unknown; known are ", listed(kGrippers),
+                        ". For one of your own write `hand: FILE.yaml` into the cell file afterwards"));
   if (has_own_address(setup.gripper) && setup.gripper_address.empty())
-    refuse(concat("a ", setup.gripper,
-                  " has a network address of its own: give it with --gripper-address HOST"));
+    refuse_setup(concat("a ", setup.gripper,
+                        " has a network address of its own: give it with --gripper-address HOST"));
   require_address(setup.arm);
   require_address(setup.gripper_address);
   for (const std::string& file : {setup.path, robot_file_of(setup.path)})

@@ -177,6 +177,10 @@ TEST_F(SetUpCell, NothingIsWrittenOverOrForAnArmThatIsUnknown) {
   CellSetup odd = order("other.yaml");
   odd.gripper_address = "1: {";
   EXPECT_THAT(problem([&] { static_cast<void>(write_new_cell(odd, controller)); }), HasSubstr("2 '1: {'"));
+  odd = order("other.yaml");
+  odd.arm.clear();
+  EXPECT_THAT(problem([&] { static_cast<void>(write_new_cell(odd, controller)); }),
+              HasSubstr("2 the robot's address is missing"));
   controller.model = "UR99";
   EXPECT_THAT(problem([&] { static_cast<void>(write_new_cell(order("other.yaml"), controller)); }),
               HasSubstr("ur99"));

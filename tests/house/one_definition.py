@@ -4,6 +4,9 @@ Collects what the sources of each program define with external linkage at namesp
 variables, functions with their parameter types), namespace by namespace, and fails when two files define the same.
 A compiler and a linker need not notice: of two classes with one name, one destructor is linked for both.
 
+Beside these, functions of anonymous namespaces: files of one room may be compiled together, and then a call of one
+takes the function of the other where its argument fits that better (a literal for `const char*`, not for a string).
+
 The library and the command are one program; each folder of tests is one with the library, each fuzz target, too.
 """
 
@@ -24,6 +27,8 @@ TOKEN = re.compile(
 OPEN, CLOSE = {"(", "[", "{"}, {")", "]", "}"}
 ALTERNATIVE = "realsense_library.cpp"  # in place of realsense_absent.cpp, where the build has the library
 IMPORTER = "import_program.cpp"  # a program of its own
+TEXTS = {"const char *", "std :: string", "const std :: string &", "std :: string &&", "std :: string_view"}
+NUMBERS = {"int", "long", "unsigned", "double", "float", "bool", "char", "std :: size_t"}
 TYPE_WORDS = {"const", "unsigned", "signed", "int", "long", "short", "double", "float", "bool", "char", "auto", "void"}
 
 
@@ -153,8 +158,8 @@ def definition_of(head, has_body):
     return None
 
 
-def definitions(text):
-    """All of a file: [(namespace, kind, name, detail)]."""
+def definitions(text, hidden=False):
+    """All of a file: [(namespace, kind, name, detail)]; `hidden`: those of its anonymous namespaces instead."""
     tokens = tokens_of(text)
     found, scope, head, i = [], [], [], 0
     while i < len(tokens):
@@ -183,7 +188,7 @@ def definitions(text):
             entry = definition_of(head, token == "{" and not assigned)
             if assigned and "inline" in head:
                 entry = definition_of(head + ["x"], False)
-            if entry and None not in scope:
+            if entry and (None in scope) == hidden:
                 found.append(("::".join(s for s in scope if s),) + entry)
             if token == ";":
                 head, i = [], i + 1
@@ -233,6 +238,31 @@ def check(program, files, cache):
     return problems
 
 
+def convertible(one, other):
+    """Whether a call may fit both parameter lists, though they differ."""
+    if one == other or "template" in one + other:
+        return False
+    pairs = list(zip(one.strip("()").split(", "), other.strip("()").split(", ")))
+    if one.count(",") != other.count(","):
+        return False
+    return all(a == b or {a, b} <= TEXTS or {a, b} <= NUMBERS for a, b in pairs)
+
+
+def check_hidden(room, files):
+    """Problems among the functions in the anonymous namespaces of one room."""
+    places, problems = {}, []
+    for path in files:
+        for namespace, kind, name, detail in definitions(path.read_text(encoding="utf-8"), hidden=True):
+            if kind == "function" and "::" not in name:
+                places.setdefault((namespace, name), []).append((path, detail))
+    for (namespace, name), found in sorted(places.items()):
+        for k, (path, detail) in enumerate(found):
+            for other, other_detail in found[:k]:
+                if path != other and convertible(detail, other_detail):
+                    problems.append(f"{room}: function {namespace}::{name} takes {other_detail} in {other} and {detail} in {path}")
+    return problems
+
+
 def sources(folder):
     return sorted(p for p in folder.rglob("*") if p.suffix in (".hpp", ".cpp") and p.name not in (ALTERNATIVE, IMPORTER))
 
@@ -254,6 +284,8 @@ def main(root):
         programs[target.stem] = [target]
     for name, files in programs.items():
         problems += [p for p in check(name, library + files, cache) if not any(p.split(": ", 1)[1] == q.split(": ", 1)[1] for q in problems)]
+    for folder in sorted(p for p in (root / "src").iterdir() if p.is_dir()):
+        problems += check_hidden(folder.name, [p for p in sources(folder) if p.suffix == ".cpp"])
     if problems:
         sys.exit("\n".join(["More than one definition (rename one, or give it an anonymous namespace):"] + problems))
     print(f"{sum(len(found) for found in cache.values())} definitions in {len(cache)} files, each made once")

@@ -16,7 +16,7 @@ def problems(*sources, namespace="stonestack::search"):
         for number, source in enumerate(sources):
             paths.append(pathlib.Path(folder) / f"{number}.cpp")
             paths[-1].write_text(f"#include <map>\nnamespace {namespace} {{\n{source}\n}}  // namespace\n")
-        return one_definition.check("planted", paths, {})
+        return one_definition.check("planted", paths, {}) + one_definition.check_hidden("planted", paths)
 
 
 CLASHES = {
@@ -38,11 +38,23 @@ CLASHES = {
         "inline bool operator==(A a, A b) { return true; }",
         "inline bool operator==(A c, A d) { return false; }",
     ),
+    "function stonestack::search::refuse takes (const char *) in": (
+        "namespace {\nvoid refuse(const char* command) {}\n}",
+        "namespace {\n[[noreturn]] void refuse(const std::string& problem) {}\n}",
+    ),
+    "function stonestack::search::g takes (int, const A &) in": (
+        "namespace {\nint g(int n, const A& a) { return n; }\n}",
+        "namespace {\nint g(double x, const A& a) { return 1; }\n}",
+    ),
     "variable stonestack::search::kMost is": ("inline constexpr int kMost = 3;", "inline constexpr double kMost{4.0};"),
 }
 
 NO_CLASHES = {
     "internal linkage": ("namespace {\nstruct A { int a; };\n}", "namespace {\nstruct A { double b; };\nint f() { return 1; }\n}"),
+    "functions of anonymous namespaces for different things": (
+        "namespace {\nint f(const A& a) { return 1; }\nint g(int n) { return n; }\n}",
+        "namespace {\nint f(const B& b) { return 2; }\nint g(int n, int m) { return m; }\n}",
+    ),
     "static functions and plain constants": ("static int f() { return 1; }\nconstexpr int k = 1;", "static int f() { return 2; }\nconstexpr int k = 2;"),
     "a declaration and the definition": ("struct A;\nint f(int a);\nextern int v;", "struct A { int a; };\nint f(int a) { return a; }"),
     "overloads": ("inline int f(int a) { return a; }", "inline int f(double a) { return 1; }"),
