@@ -276,14 +276,24 @@ struct FaultRun {
   }
 };
 
+/// The first half of a motion, slowly and with an end at rest, so that the arm takes it.
 JointTrajectory half_of(const JointTrajectory& whole) {
-  JointTrajectory half = whole;
-  const std::size_t n = std::max<std::size_t>(2, (whole.q.size() + 1) / 2);
-  if (half.q.size() <= n) return half;
-  half.q.resize(n);
-  half.time.resize(std::min(half.time.size(), n));
-  if (half.qd.size() > n) half.qd.resize(n);
-  return half;
+  constexpr double kShare = 0.2, kBrake = 1.0, kKnots = 0.02;  // of the speed; s; s
+  const double half = 0.5 * whole.duration(), steady = half / kShare - 0.5 * kBrake;
+  if (steady < 0) return whole;
+  const int last = static_cast<int>(std::ceil((steady + kBrake) / kKnots));
+  JointTrajectory slow;
+  for (int k = 0; k <= last; ++k) {
+    const double t = (steady + kBrake) * k / last, left = std::min(kBrake, steady + kBrake - t);
+    const double share = kShare * left / kBrake;
+    const JointState state = sample(whole, t < steady ? kShare * t : half - 0.5 * share * left);
+    slow.time.push_back(t);
+    slow.q.push_back(state.q);
+    slow.qd.push_back(share * state.qd);
+  }
+  slow.q.front() = whole.q.front();
+  slow.qd.back().setZero();
+  return slow;
 }
 
 struct FaultyArm : Arm {

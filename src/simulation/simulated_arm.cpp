@@ -4,6 +4,7 @@
 #include "core/constants.hpp"
 #include "hardware/guard_readings.hpp"
 #include "hardware/hold_watch.hpp"
+#include "hardware/trajectory_gate.hpp"
 #include "kinematics/inverse.hpp"
 #include "kinematics/jacobian.hpp"
 #include "simulation/simulated_devices.hpp"
@@ -15,7 +16,7 @@ namespace stonestack::simulation {
 namespace {
 
 constexpr double kArmTick = 0.010;        // s, control and force samples
-constexpr double kStartTolerance = 0.01;  // rad, hardware/arm.hpp
+constexpr double kControlPeriod = 0.008;  // s, at which the gate looks at a path. CB3
 constexpr int kFirstLink = 2;             // links below the upper arm stand on the table
 constexpr int kTicksPerCheck = 5;         // links are compared with table and stones every 50 ms
 constexpr int kTicksPerHold = 10;         // ticks of a carry between questions to the gripper
@@ -177,7 +178,7 @@ std::optional<std::string> find_link_hit(const TrueWorld& world, const TrueMount
 
 SimulatedArm::SimulatedArm(TrueWorld& world, const RobotModel& robot, const TrueMounting& mounting,
                            SimulatedForceTorque& force_torque, CellKeeper& keeper,
-                           const SimulationOptions& options, const Joints& q, const Pose& T_W_R_assumed)
+                           const SimulationOptions& options, const Joints& q, const CellLayout& assumed)
     : world_(&world),
       robot_(robot),
       mounting_(mounting),
@@ -185,7 +186,8 @@ SimulatedArm::SimulatedArm(TrueWorld& world, const RobotModel& robot, const True
       keeper_(&keeper),
       random_(Random::stream(static_cast<std::uint64_t>(options.seed), "arm repeatability")),
       jitter_sigma_(joint_sigma(options.arm_repeatability, robot, mounting.T_F_T, q)),
-      T_W_R_assumed_(T_W_R_assumed),
+      T_W_R_assumed_(assumed.T_W_R),
+      T_F_T_assumed_(assumed.T_F_T),
       q_(q),
       backlash_(options.arm_backlash, q) {
   world.set_compliance(tool_compliance(mounting_, q));
@@ -238,30 +240,7 @@ void SimulatedArm::set_payload(double mass, const Eigen::Vector3d& p_F_com) {
 
 std::string SimulatedArm::refusal(const JointTrajectory& trajectory) const {
   if (!stop_reason_.empty()) return "protective stop not unlocked: " + stop_reason_;
-  if (std::string fault = malformed(trajectory); !fault.empty()) return fault;
-  for (std::size_t k = 0; k < trajectory.q.size(); ++k)
-    if (((trajectory.q[k] - robot_.upper).array() > 1e-6).any() ||
-        ((robot_.lower - trajectory.q[k]).array() > 1e-6).any())
-      return concat("knot ", k, " lies outside the joint limits: ", trajectory.q[k].transpose());
-  constexpr double kWorkspaceSlack = 1e-4, kCheckPeriod = 0.008;  // m, s
-  const double duration = robot_.workspace ? trajectory.duration() : 0.0;
-  for (double t = 0.0; t < duration + kCheckPeriod; t += kCheckPeriod)
-    if (auto outside = describe_outside_workspace(robot_, sample(trajectory, t).q, kWorkspaceSlack);
-        !outside.empty())
-      return concat(outside, ", at ", t, " s");
-  const double gap = (trajectory.q.front() - q_).cwiseAbs().maxCoeff();
-  if (gap > kStartTolerance)
-    return concat("the trajectory starts ", gap, " rad from where the arm is (allowed ", kStartTolerance,
-                  ")");
-  return {};
-}
-
-std::string SimulatedArm::overspeed(const Joints& qd, double t) const {
-  for (int j = 0; j < 6; ++j)
-    if (std::abs(qd[j]) > 1.01 * robot_.velocity[j])
-      return concat("joint ", j + 1, " at ", std::abs(qd[j]), " rad/s, limit ", robot_.velocity[j],
-                    " rad/s, at ", t, " s");
-  return {};
+  return hardware::find_path_fault(trajectory, q_, robot_, {T_W_R_assumed_, T_F_T_assumed_, kControlPeriod});
 }
 
 double SimulatedArm::resistance(const GuardedMotion& guard) {
@@ -309,7 +288,6 @@ MotionResult SimulatedArm::move(const JointTrajectory& trajectory, const Guarded
     backlash_.arrive(q_ + jitter_);
     keeper_->changing(world_->time());
     stop_reason_ = progress.stopped;
-    if (stop_reason_.empty()) stop_reason_ = overspeed(sample(trajectory, t).qd, t);
     if (stop_reason_.empty() && tick++ % kTicksPerCheck == 0)
       stop_reason_ = find_link_hit(*world_, mounting_, q_).value_or("");
     if (guard) {

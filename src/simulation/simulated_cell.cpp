@@ -94,7 +94,7 @@ struct SimulatedCell::Parts {
               {TrueTable(options, 0.5 * (layout.site + layout.field_centre)), options.foreign_objects}),
         clock(world),
         force_torque(world, mounting, options),
-        arm(world, robot, mounting, force_torque, keeper, options, ready_joints(robot, layout), layout.T_W_R),
+        arm(world, robot, mounting, force_torque, keeper, options, ready_joints(robot, layout), layout),
         gripper(world, keeper),
         camera(world, stones, mounting, options),
         shared(world, mounting, robot, stones, options) {

@@ -109,14 +109,14 @@ class SimulatedForceTorque final : public ForceTorqueSensor {
   double last_time_ = -1.0;
 };
 
-/// A position-controlled arm, stiff but for the compliance of its gears. It stops, and stays stopped until
-/// unlocked, when a joint is commanded faster than its limit, when a link or the gripper hits something, or
-/// at 150 N on the gripper.
+/// A position-controlled arm, stiff but for the compliance of its gears. It refuses what the driver of a real
+/// arm refuses (hardware/trajectory_gate.hpp). It stops, and stays stopped until unlocked, when a link or the
+/// gripper hits something, or at 150 N on the gripper.
 class SimulatedArm final : public Arm {
  public:
   SimulatedArm(TrueWorld& world, const RobotModel& robot, const TrueMounting& mounting,
                SimulatedForceTorque& force_torque, CellKeeper& keeper, const SimulationOptions& options,
-               const Joints& q, const Pose& T_W_R_assumed);
+               const Joints& q, const CellLayout& assumed);
   [[nodiscard]] ArmState state() override;
   [[nodiscard]] MotionResult follow(const JointTrajectory& trajectory) override;
   [[nodiscard]] MotionResult carry(const JointTrajectory& trajectory) override;
@@ -137,7 +137,6 @@ class SimulatedArm final : public Arm {
  private:
   [[nodiscard]] Pose tool_at(const Joints& output) const;
   [[nodiscard]] std::string refusal(const JointTrajectory& trajectory) const;
-  [[nodiscard]] std::string overspeed(const Joints& qd, double t) const;
   /// `gripper`, where it is given, is asked for as long as it should hold something.
   [[nodiscard]] MotionResult move(const JointTrajectory& trajectory, const GuardedMotion* guard,
                                   const std::function<GripperState()>& gripper = {});
@@ -150,7 +149,7 @@ class SimulatedArm final : public Arm {
   CellKeeper* keeper_;
   Random random_;
   double jitter_sigma_;  // rad
-  Pose T_W_R_assumed_;
+  Pose T_W_R_assumed_, T_F_T_assumed_;
   Joints q_;
   Backlash backlash_;
   Joints jitter_ = Joints::Zero();  // rad, of the motion that ended last

@@ -36,7 +36,7 @@ stonestack_files(others kinematics calibrated_inverse closed_form forward hand_e
 stonestack_files(others hardware cell camera/realsense_absent camera/realsense_camera camera/recorded_camera
   camera/stream_camera camera/v4l2_camera camera/v4l2_kernel hold_watch robotiq/ft_link robotiq/ft_sensor robotiq/modbus
   robotiq/modbus_rtu robotiq/modbus_tcp robotiq/three_finger_gripper robotiq/two_finger_gripper robotiq/urcap_link ur/dashboard_client ur/primary_client
-  ur/rtde_client ur/rtde_session ur/run_program ur/script_gate ur/script_guard ur/script_text
+  ur/rtde_client ur/rtde_session ur/run_program trajectory_gate ur/script_gate ur/script_guard ur/script_text
   ur/script_writer ur/ur_arm ur/ur_force_torque ur/ur_link ur/ur_status wrench_readings)
 stonestack_files(others protocol rtde_fields)
 stonestack_files(others motion collision/planning_scene collision/read_gripper)

@@ -18,10 +18,17 @@ inline Joints over(const CellLayout& layout, const Eigen::Vector3d& p_W) {
   return inverse(ur10(), layout.T_W_R.inverse() * tool_down(p_W) * layout.T_F_T.inverse(), seed).front().q;
 }
 
+/// Takes every acceleration: the lines of these tests have no regard for it.
+inline RobotModel make_agile() {
+  RobotModel robot = ur10();
+  robot.acceleration.setConstant(1e3);
+  return robot;
+}
+
 /// A cell with pebbles, and a gripper that moves along straight lines.
 struct CellBench {
   std::vector<Stone> stones;
-  RobotModel robot = read_robot("ur10");
+  RobotModel robot = make_agile();
   CellLayout layout;
   SimulatedCell simulated;
   Cell cell;

@@ -64,6 +64,35 @@ TEST(SimulatedCell, ACarryEndsWhereItsStoneIsLost) {
   EXPECT_EQ(bench.go(tool_down({p.x(), p.y(), 0.3}, yaw)).status, Status::kDone);
 }
 
+TEST(SimulatedCell, ItsArmRefusesWhatTheDriverOfARealOneRefuses) {
+  const std::vector<Stone> stones{make_pebble("pebble", 1.2)};
+  const auto turned = [&](const RobotModel& robot, double seconds) {
+    SimulatedCell simulated(stones, {0_stone}, robot, CellLayout{});
+    const Joints q = simulated.cell().arm.state().q;
+    Joints there = q;
+    there[0] += 0.2;
+    return simulated.cell().arm.follow({{0.0, seconds}, {q, there}, {Joints::Zero(), Joints::Zero()}});
+  };
+  RobotModel robot = ur10();
+  const MotionResult free = turned(robot, 2.0);
+  ASSERT_EQ(free.status, Status::kDone) << free.reason;
+  const MotionResult hard = turned(robot, 0.5);  // 6 * 0.2 / 0.5^2 = 4.8 rad/s^2
+  EXPECT_EQ(hard.status, Status::kRefused);
+  EXPECT_NE(hard.reason.find("joint 1 changes its speed"), std::string::npos) << hard.reason;
+  robot.tool_speed = 0.05;  // 1.5 * 0.2 / 2 = 0.15 rad/s, more than half a metre from the axis
+  const MotionResult fast = turned(robot, 2.0);
+  EXPECT_EQ(fast.status, Status::kRefused);
+  EXPECT_NE(fast.reason.find("limits.tool_speed"), std::string::npos) << fast.reason;
+  robot = ur10();
+  const Eigen::Vector3d far = Eigen::Vector3d::Constant(5.0);
+  robot.fence = ArmFence{{-far, far}, Pose::Identity(), {}};
+  EXPECT_EQ(turned(robot, 2.0).status, Status::kDone);
+  robot.fence->box.max().z() = link_poses(robot, free.q)[3].translation().z() - 0.02;  // the elbow's height
+  const MotionResult out = turned(robot, 2.0);
+  EXPECT_EQ(out.status, Status::kRefused);
+  EXPECT_NE(out.reason.find("leaves the fence"), std::string::npos) << out.reason;
+}
+
 TEST(SimulatedCell, GuardedDescentStopsAtOnceOnTheTable) {
   CellBench bench({make_pebble("pebble", 1.2)});
   ASSERT_EQ(bench.go(tool_down({0.7, 0.3, 0.02})).status, Status::kDone);
@@ -114,13 +143,17 @@ TEST(SimulatedCell, ArmRefusesAndStops) {
   auto fast = bench.line(tool_down({0.7, 0.3, 0.4}), 0.2);
   for (auto& t : fast.time) t *= 0.05;
   for (auto& qd : fast.qd) qd *= 20;
-  const auto stopped = arm.follow(fast);
+  const auto refused = arm.follow(fast);
+  EXPECT_EQ(refused.status, Status::kRefused);
+  EXPECT_NE(refused.reason.find("rad/s, limit"), std::string::npos) << refused.reason;
+  const auto stopped = arm.follow(bench.line(tool_down({0.7, 0.2, -0.05}), 0.2));  // into the table
   EXPECT_EQ(stopped.status, Status::kStopped);
-  EXPECT_NE(stopped.reason.find("rad/s, limit"), std::string::npos) << stopped.reason;
   EXPECT_FALSE(arm.state().can_move);
   EXPECT_EQ(arm.follow(bench.line(tool_down({0.7, 0.1, 0.4}), 0.2)).status, Status::kRefused);
   bench.simulated.unlock();
-  EXPECT_EQ(arm.follow(bench.line(tool_down({0.7, 0.1, 0.4}), 0.2)).status, Status::kDone);
+  EXPECT_TRUE(arm.state().can_move);
+  EXPECT_NE(arm.follow(bench.line(tool_down({0.7, 0.1, 0.4}), 0.2)).status, Status::kRefused)
+      << "pressed onto the table it may stop again";
 }
 
 TEST(SimulatedCell, ArmKeepsTheWorkspaceOfTheCell) {

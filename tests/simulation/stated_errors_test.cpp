@@ -58,7 +58,7 @@ TEST(StatedErrors, TheArmComesBackToATenthOfAMillimetre) {
   const TrueMounting mounting = draw_mounting(layout, options, ur10(), home);
   SimulatedForceTorque force_torque(world, mounting, options);
   CellKeeper nowhere;
-  SimulatedArm arm(world, ur10(), mounting, force_torque, nowhere, options, home, layout.T_W_R);
+  SimulatedArm arm(world, make_agile(), mounting, force_torque, nowhere, options, home, layout);
   constexpr int kVisits = 150;
   double squares = 0.0;
   for (int k = 0; k < kVisits; ++k) {
