@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
+#include <limits>
 
 #include "geometry/byte_order.hpp"
 #include "geometry/file_cursor.hpp"
@@ -264,8 +266,13 @@ std::vector<int> parse_pcd_labels(const std::string& path, std::string_view cont
   Body body(cursor, header);
   std::vector<int> labels;
   const auto index = static_cast<std::size_t>(field - header.fields.begin());
-  for (std::size_t i = 0; i < header.width * header.height; ++i)
-    labels.push_back(static_cast<int>(body.value(header, i, index)));
+  for (std::size_t i = 0; i < header.width * header.height; ++i) {
+    const double label = body.value(header, i, index);
+    if (label > std::numeric_limits<int>::max())
+      cursor.fail(concat("label ", static_cast<std::uint32_t>(label), " is too large"),
+                  "number the labels from 0");
+    labels.push_back(static_cast<int>(label));
+  }
   return labels;
 }
 

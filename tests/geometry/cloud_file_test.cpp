@@ -11,6 +11,7 @@
 #include "geometry/cloud_parse.hpp"
 #include "geometry/lzf.hpp"
 #include "geometry/mutations.hpp"
+#include "geometry/pcd.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "temporary_folder.hpp"
@@ -121,6 +122,20 @@ TEST(CloudFile, PcdOfOlderPclEndsWithZeros) {
   EXPECT_THAT(problem("pcd", binary), "");
   EXPECT_THAT(problem("pcd", binary + std::string(4, '\0')), HasSubstr("4 bytes stand after"))
       << "points that the header does not count";
+}
+
+TEST(CloudFile, LabelsOfAPcdFitTheirType) {
+  const std::string head =
+      "VERSION 0.7\nFIELDS x y z label\nSIZE 4 4 4 4\nTYPE F F F U\nCOUNT 1 1 1 1\n"
+      "WIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA binary\n";
+  const auto file = [&](std::uint32_t label) {
+    std::string content = head;
+    for (const float x : {1.0F, 2.0F, 3.0F}) append_little(content, x);
+    append_little(content, label);
+    return content;
+  };
+  EXPECT_EQ(parse_pcd_labels("a.pcd", file(2147483647U)), std::vector<int>{2147483647});
+  EXPECT_THROW((void)parse_pcd_labels("a.pcd", file(2147483648U)), FileError);
 }
 
 TEST(CloudFile, ReadsThePublicCloudsOfPcl) {
