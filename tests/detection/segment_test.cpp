@@ -130,6 +130,29 @@ TEST(Segment, JoinsViewsOfOneSceneAndKeepsObjectsApart) {
   for (const SegmentedObject& object : found.objects) EXPECT_EQ(object.views, 2);
 }
 
+TEST(Segment, ABlankViewAmongOthersIsPassedOver) {
+  const std::vector<Standing> things = {box_at({0.10, 0.08, 0.06}, -0.08, 0),
+                                        box_at({0.09, 0.09, 0.09}, 0.08, 0.01)};
+  const TrueView one = see(things, make_camera_pose(0.5, 0)), two = see(things, make_camera_pose(0.5, 2.0));
+  const std::vector<DepthView> whole{one.view, two.view};
+  const Segmentation all = segment(whole);
+  for (std::size_t blank = 0; blank < 3; ++blank) {
+    std::vector<DepthView> views = whole;
+    views.insert(views.begin() + static_cast<std::ptrdiff_t>(blank), one.view);
+    views[blank].image.z.assign(one.view.image.z.size(), 0.0F);
+    const Segmentation found = segment(views);
+    ASSERT_EQ(found.objects.size(), 2u) << found.note;
+    ASSERT_EQ(found.labels.size(), 3u);
+    EXPECT_EQ(std::count(found.labels[blank].begin(), found.labels[blank].end(), 0),
+              static_cast<std::ptrdiff_t>(one.view.image.z.size()));
+    EXPECT_EQ(share_right(one, found.labels[blank == 0 ? 1 : 0], 2), 1.0);
+    EXPECT_EQ(share_right(two, found.labels[blank == 2 ? 1 : 2], 2), 1.0);
+    EXPECT_EQ(found.objects[0].views, 2);
+    EXPECT_NEAR(found.objects[0].size.z(), all.objects[0].size.z(), 0.002) << "above the table";
+    EXPECT_NE(found.note.find(concat("view ", blank + 1)), std::string::npos) << found.note;
+  }
+}
+
 TEST(Segment, SaysWhyThereIsNoObject) {
   const TrueView bare = see({}, make_camera_pose(0.3, 0));
   const Segmentation nothing = segment(bare.view.image);

@@ -48,7 +48,8 @@ struct Segmentation {
 [[nodiscard]] Segmentation segment(const DepthImage& image, const SegmentOptions& options = {});
 
 /// Segments several views of one scene: each alone, then parts that show the same surface are joined, unless
-/// a view shows them apart.
+/// a view shows them apart. A view that shows no table is passed over with a note; one whose image lacks
+/// depths ends it with a note.
 /// @throws InvalidArgument for no view.
 [[nodiscard]] Segmentation segment(std::span<const DepthView> views, const SegmentOptions& options = {});
 

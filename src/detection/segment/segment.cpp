@@ -75,12 +75,25 @@ void grow(const DepthImage& raw, const ObjectSurface& surface, const Plane& tabl
   }
 }
 
-/// Parts of a view; empty with the reason.
+Plane in_first_camera(const Plane& plane_V, const Pose& T_C_V) {
+  const Eigen::Vector3d n_C = T_C_V.linear() * plane_V.normal;
+  return {n_C, plane_V.offset + n_C.dot(T_C_V.translation())};
+}
+
+/// Surface of a view that shows no object.
+ObjectSurface blank_surface(const DepthImage& image) {
+  ObjectSurface surface;
+  surface.depth.camera = image.camera;
+  surface.depth.z.assign(image.z.size(), 0.0F);
+  return surface;
+}
+
+/// Adds the parts of a usable view; none, with the reason, where the view shows no table.
 std::string add_view(std::vector<ViewParts>& views, const DepthView& view, const Pose& T_C_V,
                      const std::optional<Plane>& table_C, const SegmentOptions& options) {
-  if (std::string problem = unusable_image(view.image); !problem.empty()) return problem;
-  ViewParts added;
+  ViewParts& added = views.emplace_back();
   added.T_C_V = T_C_V;
+  added.parts.label.assign(view.image.z.size(), -1);
   std::optional<Plane> expected;
   if (table_C)
     expected = Plane{T_C_V.linear().transpose() * table_C->normal,
@@ -89,11 +102,10 @@ std::string add_view(std::vector<ViewParts>& views, const DepthView& view, const
   for (float& z : finite.z)
     if (!std::isfinite(z)) z = 0.0F;
   added.surface = object_surface(finite, expected, options);
-  if (!added.surface.note.empty()) return added.surface.note;
+  if (!added.surface.note.empty()) return std::exchange(added.surface, blank_surface(view.image)).note;
   added.parts = split_surface(added.surface, fewest_pixels(added.surface, options));
   complete_parts(added.surface, added.parts);
   grow(finite, added.surface, *added.surface.table_V, added.parts.label);
-  views.push_back(std::move(added));
   return {};
 }
 
@@ -285,19 +297,27 @@ Segmentation segment(std::span<const DepthView> views, const SegmentOptions& opt
           options.min_width, " and ", options.usual_size, " m");
   Segmentation result;
   std::vector<ViewParts> parts;
+  double lowest = 0.0;  // height from which on surface is an object's, of the first view that shows a table
   for (std::size_t k = 0; k < views.size(); ++k) {
     const Pose T_C_V = k == 0 ? Pose::Identity() : views[0].T_W_C.inverse() * views[k].T_W_C;
-    const std::string problem = add_view(parts, views[k], T_C_V, result.table_C, options);
-    if (!problem.empty()) {
-      result.note = views.size() == 1 ? problem : concat("view ", k + 1, ": ", problem);
-      return result;
+    const std::string unusable = unusable_image(views[k].image);
+    const std::string problem =
+        unusable.empty() ? add_view(parts, views[k], T_C_V, result.table_C, options) : unusable;
+    if (!problem.empty())
+      result.note += views.size() == 1
+                         ? problem
+                         : concat(result.note.empty() ? "" : "; ", "view ", k + 1, ": ", problem);
+    if (!unusable.empty()) return result;  // it has no pixels that could be labelled
+    if (problem.empty() && !result.table_C) {
+      result.table_C = in_first_camera(*parts[k].surface.table_V, T_C_V);
+      lowest = parts[k].surface.lowest;
     }
-    if (k == 0) result.table_C = parts[0].surface.table_V;
   }
+  if (!result.table_C) return result;
   describe_objects(parts, options, result);
   if (result.objects.empty())
-    result.note = concat("nothing stands on the table: no surface ", options.min_width,
-                         " m wide lies more than ", parts[0].surface.lowest, " m above it");
+    result.note += concat(result.note.empty() ? "" : "; ", "nothing stands on the table: no surface ",
+                          options.min_width, " m wide lies more than ", lowest, " m above it");
   return result;
 }
 
