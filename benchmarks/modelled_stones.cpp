@@ -78,9 +78,14 @@ bool add_attitude(const BenchScene& drawn, const Stone& scan, double min_tilt, G
     log_joint(scan, growing.made_of.front(), lying, T_W_O);
   }
   growing.made_of.push_back(lying);
+  auto model = modelling::model_object(growing.made_of);
+  if (!model) {
+    growing.made_of.pop_back();
+    return false;
+  }
   growing.up_at_rest.emplace_back(lying.T_W_O.linear().transpose() * Eigen::Vector3d::UnitZ());
   growing.scenes.push_back(std::move(scene));
-  growing.model = modelling::model_object(growing.made_of);
+  growing.model = std::move(*model);
   return true;
 }
 

@@ -20,6 +20,7 @@ constexpr float kFreeWeight = 0.25F;   // of a view that sees through a place, a
 // (bench modelling).
 constexpr double kFreeShare = 0.2;
 constexpr float kTrusted = 0.02F;  // weight from which on a distance is measured
+constexpr double kMaxNodes = 64e6;
 
 /// Statement of one view about a place.
 struct Say {
@@ -79,16 +80,24 @@ Say say_of(const FusedView& view, const Eigen::Vector3d& p_C, double truncation)
   return {};
 }
 
+Eigen::Vector3i nodes_of(const Eigen::AlignedBox3d& box, double cell) {
+  return (box.sizes() / cell).array().ceil().cast<int>() + 1;
+}
+
 }  // namespace
+
+bool DistanceVolume::fits(const Eigen::AlignedBox3d& box_O, double cell) {
+  return (box_O.sizes() / cell).maxCoeff() < kMaxNodes &&
+         nodes_of(box_O, cell).cast<double>().prod() <= kMaxNodes;
+}
 
 DistanceVolume::DistanceVolume(const Eigen::AlignedBox3d& box_O, double cell, double truncation)
     : box_(box_O), cell_(cell), truncation_(truncation) {
-  size_ = (box_.sizes() / cell).array().ceil().cast<int>() + 1;
-  const double nodes = size_.cast<double>().prod();
-  require(nodes <= 64e6, "an object of ", box_.sizes().transpose(), " m at cells of ", cell, " m takes ",
-          nodes, " cells; 64 million are the most: give larger cells");
+  require(fits(box_O, cell), "an object of ", box_.sizes().transpose(), " m does not fit into ", kMaxNodes,
+          " cells of ", cell, " m: give larger cells");
+  size_ = nodes_of(box_, cell);
   box_.max() = box_.min() + cell * (size_.array() - 1).matrix().cast<double>();
-  const auto count = static_cast<std::size_t>(nodes);
+  const auto count = static_cast<std::size_t>(size_.cast<double>().prod());
   distance_.assign(count, static_cast<float>(truncation));
   weight_.assign(count, 0.0F);
   fixed_.assign(count, 0);

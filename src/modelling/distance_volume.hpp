@@ -22,7 +22,9 @@ struct FusedView {
 /// Grid over a box in O. Negative inside the object.
 class DistanceVolume {
  public:
-  /// Throws InvalidArgument for more than 64 million cells.
+  /// Does a grid over the box have at most 64 million cells?
+  [[nodiscard]] static bool fits(const Eigen::AlignedBox3d& box_O, double cell);
+  /// Throws InvalidArgument unless it fits.
   DistanceVolume(const Eigen::AlignedBox3d& box_O, double cell, double truncation);
 
   /// Adds what views show, and planes (T_W_O each) below whose z = 0 there is nothing.

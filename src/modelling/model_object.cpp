@@ -8,6 +8,7 @@
 #include "modelling/surface_of_volume.hpp"
 #include "modelling/view_normals.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/log.hpp"
 #include "stonestack/modelling/model_objects.hpp"
 
 namespace stonestack::modelling {
@@ -112,7 +113,7 @@ FieldList fields(ModellingOptions& o) {
           field("refine_poses", o.refine_poses, "design choice")};
 }
 
-ObjectModel model_object(std::span<const LyingObject> lying, const ModellingOptions& options) {
+std::optional<ObjectModel> model_object(std::span<const LyingObject> lying, const ModellingOptions& options) {
   require(!lying.empty(), "a model needs an object in a scene");
   Prepared all;
   std::vector<Pose> T_W_O;
@@ -128,12 +129,21 @@ ObjectModel model_object(std::span<const LyingObject> lying, const ModellingOpti
   }
   require(model.views > 0 && !all.box_O.isEmpty(), "no view shows the object");
   const Eigen::Vector3d margin = Eigen::Vector3d::Constant(kMargin);
-  DistanceVolume volume({all.box_O.min() - margin, all.box_O.max() + margin}, options.voxel,
-                        options.truncation);
+  const Eigen::AlignedBox3d box_O(all.box_O.min() - margin, all.box_O.max() + margin);
+  if (!DistanceVolume::fits(box_O, options.voxel)) {
+    log_info(concat("an object of ", all.box_O.sizes().transpose(), " m is too large for cells of ",
+                    options.voxel, " m: give larger cells (modelling.voxel)"));
+    return std::nullopt;
+  }
+  DistanceVolume volume(box_O, options.voxel, options.truncation);
   volume.fuse(all.views, T_W_O);
   volume.complete();
   volume.keep_largest_part();
   model.mesh = surface_of(volume, options.facet);
+  if (model.mesh.faces.empty()) {
+    log_info("views see through all of an object: it has no model");
+    return std::nullopt;
+  }
   for (const auto& p : model.mesh.vertices) {
     const double weight = volume.weight(p);
     model.seen.push_back(weight >= kSeenWeight ? 1 : 0);
@@ -146,8 +156,9 @@ ObjectModel model_object(std::span<const LyingObject> lying, const ModellingOpti
   return model;
 }
 
-std::vector<ObjectModel> model_objects(const AlignedScene& scene, const ModellingOptions& options) {
-  std::vector<ObjectModel> models;
+std::vector<std::optional<ObjectModel>> model_objects(const AlignedScene& scene,
+                                                      const ModellingOptions& options) {
+  std::vector<std::optional<ObjectModel>> models;
   for (int object = 0; object < static_cast<int>(scene.segmentation.objects.size()); ++object) {
     throw_if_interrupted();
     const LyingObject lying{&scene, object};

@@ -14,8 +14,6 @@
 #include <utility>
 #include <vector>
 
-#include "stonestack/core/error.hpp"
-
 namespace stonestack::modelling {
 namespace {
 
@@ -34,7 +32,7 @@ constexpr double kPrecision = 1e-4;  // of the sphere's radius, with which the s
 
 Mesh surface_of(const DistanceVolume& volume, double facet) {
   const Eigen::Vector3d inside = volume.deepest();
-  require(volume.distance(inside) < 0.0, "nothing is inside the volume");
+  if (!(volume.distance(inside) < 0.0)) return {};
   double reach = 0.0;
   for (int corner = 0; corner < 8; ++corner)
     reach = std::max(

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "modelling/no_model.hpp"
 #include "report/text.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/file.hpp"
@@ -148,14 +149,19 @@ ModelledViews model_views(const ModelOrder& order) {
                    "now " + name, watch.seconds()});
     const LyingObject lying{&made.scene, static_cast<int>(k)};
     try {
-      ObjectModel model = model_object({&lying, 1}, order.modelling);
+      std::optional<ObjectModel> model = model_object({&lying, 1}, order.modelling);
+      if (!model) {
+        log_error(concat(name, ": ", modelling::kNoModel));
+        made.failed.push_back({name, modelling::kNoModel});
+        continue;
+      }
       ModelResult result =
-          model_stone(model.mesh, name, concat("modelled from ", model.views, " views"), order.stone);
+          model_stone(model->mesh, name, concat("modelled from ", model->views, " views"), order.stone);
       const Pose T_O_model = result.stone.T_O_file;
       if (objects[k].cut_off) result.warnings.push_back("it reaches out of an image: a part may be missing");
       made.stones.push_back(store(std::move(result), order.catalogue));
-      write_uncertainty(concat(order.catalogue, "/", name, "/uncertainty.ply"), model, T_O_model);
-      made.models.push_back(std::move(model));
+      write_uncertainty(concat(order.catalogue, "/", name, "/uncertainty.ply"), *model, T_O_model);
+      made.models.push_back(std::move(*model));
     } catch (const Interrupted&) {
       throw;
     } catch (const Error& problem) {

@@ -31,21 +31,28 @@ bool same_attitude(const LyingObject& a, const LyingObject& b) {
   return up_of(a).dot(up_of(b)) > std::cos(kOtherAttitude);
 }
 
-/// Models a stone by what was seen of it as `made_of`.
-/// @throws FileError where that is no stone; then it is as before
-void become(StoneCandidate& candidate, const std::vector<LyingObject>& made_of,
+/// Models a stone by what was seen of it as `made_of`; false, and the stone as before, where that is no
+/// stone.
+bool become(StoneCandidate& candidate, const std::vector<LyingObject>& made_of,
             const ModelFieldOptions& options) {
-  ObjectModel model = modelling::model_object(made_of, options.modelling);
+  std::optional<ObjectModel> model = modelling::model_object(made_of, options.modelling);
+  if (!model) return false;
   std::vector<Eigen::Vector3d> up;
   for (const LyingObject& lying : made_of)
     if (std::none_of(&made_of.front(), &lying,
                      [&](const LyingObject& before) { return same_attitude(before, lying); }))
       up.push_back(up_of(lying));
-  candidate.stone = stone_of_model(model, candidate.made, options, up);
+  try {
+    candidate.stone = stone_of_model(*model, candidate.made, options, up);
+  } catch (const FileError& problem) {
+    log_debug(concat(candidate.stone.name, ", of ", made_of.size(), " surveys: ", problem.what()));
+    return false;
+  }
   candidate.made.turned = up.size() > 1;
-  candidate.model = std::move(model);
+  candidate.model = std::move(*model);
   candidate.made_of = made_of;
   describe_model(candidate);
+  return true;
 }
 
 /// Notes where a stone lies, as it was seen.
@@ -70,16 +77,13 @@ void model_as_it_lies(const AlignedScene& last, const CellLayout& layout, const 
   }
   if (object >= 0) {
     const std::vector<LyingObject> before = candidate.made_of;
-    try {
-      become(candidate, {{&last, object, Pose::Identity()}}, options);
+    if (become(candidate, {{&last, object, Pose::Identity()}}, options)) {
       lies(candidate, Pose::Identity());
       candidate.apart.insert(candidate.apart.end(), before.begin(), before.end());
       candidate.up_tried.clear();
       candidate.T_model_T_failed.clear();
       taken[static_cast<std::size_t>(object)] = true;
       return;
-    } catch (const FileError& problem) {
-      log_debug(concat(candidate.stone.name, ", as it lies: ", problem.what()));
     }
   }
   if (!candidate.made.mass) return;  // its shape is as before, its mass is known better
@@ -94,12 +98,7 @@ bool join(const LyingObject& seen, const ModelFieldOptions& options, StoneCandid
   const bool fell_back = candidate.let_go && same_attitude(candidate.made_of.back(), seen);
   std::vector<LyingObject> both = candidate.made_of;
   both.push_back(seen);
-  try {
-    become(candidate, both, options);
-  } catch (const FileError& problem) {
-    log_debug(concat(candidate.stone.name, ", of all surveys: ", problem.what()));
-    return false;
-  }
+  if (!become(candidate, both, options)) return false;
   lies(candidate, seen.T_W_O);
   candidate.found_again = true;
   if (candidate.made.turned)
@@ -121,13 +120,9 @@ void join_apart(const ModelFieldOptions& options, StoneCandidate& candidate) {
     std::vector<LyingObject> all = candidate.made_of;
     all.insert(all.end() - 1, {lying->scene, lying->object, found->T_W_O});
     lying = candidate.apart.erase(lying);
-    try {
-      become(candidate, all, options);
-      candidate.T_W_O = T_W_model * candidate.stone.T_O_file.inverse();
-      candidate.made.note.clear();
-    } catch (const FileError& problem) {
-      log_debug(concat(candidate.stone.name, ", with its other side: ", problem.what()));
-    }
+    if (!become(candidate, all, options)) continue;
+    candidate.T_W_O = T_W_model * candidate.stone.T_O_file.inverse();
+    candidate.made.note.clear();
   }
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/constants.hpp"
+#include "modelling/no_model.hpp"
 #include "motion/collision.hpp"
 #include "stacking/arrangement.hpp"
 #include "stacking/back_away.hpp"
@@ -130,6 +131,24 @@ std::vector<std::string> names_taken(const std::vector<StoneCandidate>& candidat
   return names;
 }
 
+/// Makes a stone of an object as one scene shows it; the reason where it is none, or none for the gripper.
+std::string model_alone(const LyingObject& lying, const GripperModel& gripper,
+                        const ModelFieldOptions& options, StoneCandidate& candidate) {
+  std::optional<ObjectModel> model = modelling::model_object({&lying, 1}, options.modelling);
+  if (!model) return modelling::kNoModel;
+  candidate.object = lying.object;
+  candidate.model = std::move(*model);
+  candidate.made_of = {lying};
+  try {
+    candidate.stone = stone_of_model(candidate.model, candidate.made, options);
+  } catch (const FileError& problem) {
+    return problem.what();
+  }
+  candidate.T_W_O = candidate.stone.T_O_file.inverse();
+  describe_model(candidate);
+  return unfit_for_gripper(candidate.stone, gripper);
+}
+
 std::vector<StoneCandidate> model_first(const AlignedScene& scene, const CellLayout& layout,
                                         const GripperModel& gripper, const ModelFieldOptions& options,
                                         std::vector<std::string>& left_out) {
@@ -145,20 +164,9 @@ std::vector<StoneCandidate> model_first(const AlignedScene& scene, const CellLay
     std::string why = unfit_object(scene, object, layout);
     if (why.empty()) {
       StoneCandidate candidate;
-      candidate.object = object;
-      const LyingObject lying{&scene, object};
-      candidate.model = modelling::model_object({&lying, 1}, options.modelling);
-      candidate.made_of = {lying};
       candidate.made.name = modelled_name(names_taken(candidates, options));
-      try {
-        candidate.stone = stone_of_model(candidate.model, candidate.made, options);
-        candidate.T_W_O = candidate.stone.T_O_file.inverse();
-        why = unfit_for_gripper(candidate.stone, gripper);
-      } catch (const FileError& problem) {
-        why = problem.what();
-      }
+      why = model_alone({&scene, object}, gripper, options, candidate);
       if (why.empty()) {
-        describe_model(candidate);
         candidates.push_back(std::move(candidate));
         continue;
       }

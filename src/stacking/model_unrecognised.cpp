@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "modelling/no_model.hpp"
 #include "modelling/rest_on_table.hpp"
 #include "search/height_raster.hpp"
 #include "stacking/arrangement.hpp"
@@ -187,8 +188,10 @@ class Modeller {
     const modelling::LyingObject lying{&scene, object};
     candidate.made.name = modelled_name(names_taken(w_, field));
     candidate.made.mass = mass;
+    std::optional<modelling::ObjectModel> model = modelling::model_object({&lying, 1}, options_.modelling);
+    if (!model) return modelling::kNoModel;
+    candidate.model = std::move(*model);
     try {
-      candidate.model = modelling::model_object({&lying, 1}, options_.modelling);
       if (in_sight_) modelling::rest_on_table(candidate.model);
       candidate.stone = stone_of_model(candidate.model, candidate.made, options_);
     } catch (const FileError& problem) {

@@ -23,7 +23,7 @@ TEST(FindTurned, AStoneThatWasTurnedIsFoundNearWhereItWasMeantToLie) {
   const Thing second = on_its_side(first);
   const AlignedScene a = align_scene(views_of({first}, cameras_around(5)));
   const AlignedScene b = align_scene(views_of({second}, cameras_around(5)));
-  const ObjectModel model = model_objects(a).front();  // in W as it lay first
+  const ObjectModel model = model_objects(a).front().value();  // in W as it lay first
   const Pose moved = second.T_W_O * first.T_W_O.inverse();
   Pose meant = Eigen::Translation3d(0.006, -0.004, 0.003) * moved;
   meant.rotate(Eigen::AngleAxisd(0.15, Eigen::Vector3d(1, 1, 0).normalized()));
@@ -40,7 +40,7 @@ TEST(FindTurned, AnotherStoneIsNotTakenForIt) {
   const Thing other{make_box({0.05, 0.05, 0.05}), make_pose({0.0, 0.0, 0.025})};
   const AlignedScene a = align_scene(views_of({first}, cameras_around(4)));
   const AlignedScene b = align_scene(views_of({other}, cameras_around(4)));
-  const auto found = find_turned(model_objects(a).front(), {}, {&b, 0, Pose::Identity()});
+  const auto found = find_turned(model_objects(a).front().value(), {}, {&b, 0, Pose::Identity()});
   EXPECT_TRUE(!found || found->agreement < 0.6) << found->agreement;
 }
 
@@ -75,7 +75,7 @@ TEST(FindTurned, ViewsOfWhichTheModelWasMadeRefuteWhatTheySawThrough) {
   const Thing whole = lying_stone(3, 0.0, 0.0), half = cut(whole, 0.6);
   const AlignedScene a = align_scene(views_of({half}, cameras_behind_cut()));
   const AlignedScene b = align_scene(views_of({whole}, cameras_around(5)));
-  const ObjectModel model = model_objects(a).front();
+  const ObjectModel model = model_objects(a).front().value();
   const LyingObject made_of{&a, 0, Pose::Identity()};
   EXPECT_TRUE(find_turned(model, {}, {&b, 0, Pose::Identity()}).has_value());
   EXPECT_FALSE(find_turned(model, {&made_of, 1}, {&b, 0, Pose::Identity()}).has_value());

@@ -30,7 +30,7 @@ TEST(ModelObject, SeenSurfaceIsWithinHalfAMillimetre) {
   const AlignedScene scene = align_scene(views_of({stone}, cameras_around(6)));
   const auto models = model_objects(scene);
   ASSERT_EQ(models.size(), 1U);
-  const ObjectModel& model = models.front();
+  const ObjectModel& model = models.front().value();
   EXPECT_TRUE(is_closed(model.mesh));
   EXPECT_EQ(model.views, 6);
   EXPECT_GT(model.seen_share, 0.4);
@@ -42,9 +42,9 @@ TEST(ModelObject, SeenSurfaceIsWithinHalfAMillimetre) {
 
 TEST(ModelObject, TheSameViewsGiveTheSameMeshToTheLastBit) {
   const AlignedScene scene = align_scene(views_of({lying_stone(3, 0.0, 0.0)}, cameras_around(3)));
-  const Mesh first = model_objects(scene).front().mesh;
+  const Mesh first = model_objects(scene).front()->mesh;
   const std::vector<Mesh> elsewhere(3, first);  // so that the second has other addresses
-  const Mesh second = model_objects(scene).front().mesh;
+  const Mesh second = model_objects(scene).front()->mesh;
   EXPECT_EQ(first.vertices, second.vertices);
   EXPECT_EQ(first.faces, second.faces);
 }
@@ -54,13 +54,13 @@ TEST(ModelObject, TheUnseenUndersideEndsAtTheTable) {
   const AlignedScene scene = align_scene(views_of({box}, cameras_around(6)));
   const auto models = model_objects(scene);
   ASSERT_EQ(models.size(), 1U);
-  EXPECT_NEAR(volume(models.front().mesh), 0.10 * 0.08 * 0.05, 0.04 * 0.10 * 0.08 * 0.05);
-  EXPECT_NEAR(bounds(models.front().mesh).min().z(), 0.0, 0.0015);
+  EXPECT_NEAR(volume(models.front()->mesh), 0.10 * 0.08 * 0.05, 0.04 * 0.10 * 0.08 * 0.05);
+  EXPECT_NEAR(bounds(models.front()->mesh).min().z(), 0.0, 0.0015);
 }
 
 TEST(ModelObject, UncertaintyGrowsAwayFromWhatWasSeen) {
   const Thing stone = lying_stone(3, 0.0, 0.0);
-  const ObjectModel model = model_objects(align_scene(views_of({stone}, cameras_around(4)))).front();
+  const ObjectModel model = model_objects(align_scene(views_of({stone}, cameras_around(4)))).front().value();
   double seen = 0.0, unseen = 0.0;
   for (std::size_t v = 0; v < model.sigma.size(); ++v)
     (model.seen[v] != 0 ? seen : unseen) = std::max(model.seen[v] != 0 ? seen : unseen, model.sigma[v]);
@@ -78,7 +78,7 @@ TEST(ModelObject, TwoRestingPosesShowAllSides) {
   const AlignedScene a = align_scene(views_of({first}, cameras_around(5)));
   const AlignedScene b = align_scene(views_of({second}, cameras_around(5)));
   const LyingObject lying[] = {{&a, 0, first.T_W_O}, {&b, 0, second.T_W_O}};
-  const ObjectModel model = model_object(lying);
+  const ObjectModel model = model_object(lying).value();
   EXPECT_GT(model.seen_share, 0.9);
   const Thing in_O{first.mesh, Pose::Identity()};
   Off off = off_truth(model, in_O);
@@ -95,12 +95,28 @@ TEST(ModelObject, AnObjectThatIsNotThereIsRefused) {
   EXPECT_THROW((void)model_object({}), InvalidArgument);
 }
 
-TEST(ModelObject, AVolumeThatDoesNotFitIsRefused) {
-  const AlignedScene scene = align_scene(views_of({lying_stone(3, 0.0, 0.0)}, cameras_around(2)));
+TEST(ModelObject, AnObjectThatIsTooLargeForItsCellsLeavesTheOthers) {
+  const Thing large{make_box({0.30, 0.26, 0.14}), make_pose({0.12, 0.0, 0.07})},
+      small{make_box({0.04, 0.04, 0.03}), make_pose({-0.12, 0.0, 0.015})};
+  const AlignedScene scene = align_scene(views_of({large, small}, cameras_around(2)));
+  ASSERT_EQ(scene.segmentation.objects.size(), 2U);
   ModellingOptions options;
-  options.voxel = 0.0003;
-  const LyingObject lying{&scene, 0};
-  EXPECT_THROW((void)model_object({&lying, 1}, options), InvalidArgument);
+  options.voxel = 0.0006;  // 64 million of these fill 14 l, the large box with its margins 20 l
+  const auto models = model_objects(scene, options);
+  ASSERT_EQ(models.size(), 2U);
+  EXPECT_FALSE(models[0].has_value());
+  EXPECT_TRUE(models[1].has_value());
+}
+
+TEST(ModelObject, ViewsThatSeeThroughAllOfItGiveNoModel) {
+  ModellingOptions options;
+  options.refine_poses = false;
+  const AlignedScene scene = align_scene(views_of({lying_stone(3, 0.0, 0.0)}, cameras_around(2)), options);
+  const AlignedScene wrong = align_scene(views_of({lying_stone(3, 0.2, 0.0)}, cameras_around(10)), options);
+  ASSERT_EQ(wrong.segmentation.objects.size(), 1U);
+  // Joined so that it lies below the first table, and its views see through the first place.
+  const LyingObject lying[] = {{&scene, 0, Pose::Identity()}, {&wrong, 0, make_pose({0.0, 0.0, 0.08})}};
+  EXPECT_FALSE(model_object(lying).has_value());
 }
 
 }  // namespace

@@ -40,7 +40,7 @@ Thing frustum(bool upside_down) {
 StoneCandidate moved_candidate(const AlignedScene& first, const Pose& meant_W) {
   StoneCandidate candidate;
   const LyingObject lying{&first, 0};
-  candidate.model = modelling::model_object({&lying, 1}, {});
+  candidate.model = modelling::model_object({&lying, 1}, {}).value();
   candidate.made_of = {lying};
   candidate.made.name = "stone_1";
   candidate.stone = stone_of_model(candidate.model, candidate.made, {});
@@ -55,7 +55,7 @@ TEST(StoneOfModel, SaysWhatOfItsSurfaceWasSeen) {
   const LyingObject lying{&scene, 0};
   ModelledStone made;
   made.name = "stone_1";
-  const Stone stone = stone_of_model(modelling::model_object({&lying, 1}, {}), made, {});
+  const Stone stone = stone_of_model(modelling::model_object({&lying, 1}, {}).value(), made, {});
   ASSERT_TRUE(stone.surface.has_value());
   ASSERT_EQ(stone.surface->sigma.size(), stone.scan.vertices.size());
   ASSERT_EQ(stone.surface->up_O_at_rest.size(), 1U);
@@ -165,7 +165,7 @@ TEST(ModelAgain, AStoneSeenFromBothSidesIsNotTakenForAnother) {
     StoneCandidate candidate;
     candidate.made_of = {{&first, object}};
     candidate.object = object;
-    candidate.model = modelling::model_object(candidate.made_of, {});
+    candidate.model = modelling::model_object(candidate.made_of, {}).value();
     candidate.made.name = concat("stone_", object + 1);
     candidate.stone = stone_of_model(candidate.model, candidate.made, {});
     candidate.T_W_O = candidate.stone.T_O_file.inverse();

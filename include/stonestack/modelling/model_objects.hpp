@@ -60,9 +60,11 @@ struct ObjectModel {
 /// view shows is completed: it lies behind what was seen through and above every table that the object lay
 /// on, and between these the distance is the smoothest one (Laplace's equation), so that an unseen underside
 /// ends at the table. Closed by construction.
+/// @return empty for an object that is too large for its cells (64 million), and where the views see through
+/// all of it, as they do where they are joined wrongly; the log says which
 /// @throws InvalidArgument for no object, or one that no view shows.
-[[nodiscard]] ObjectModel model_object(std::span<const LyingObject> lying,
-                                       const ModellingOptions& options = {});
+[[nodiscard]] std::optional<ObjectModel> model_object(std::span<const LyingObject> lying,
+                                                      const ModellingOptions& options = {});
 
 /// Where an object lies that was modelled before.
 struct FoundObject {
@@ -84,9 +86,10 @@ struct FoundObject {
                                                      std::span<const LyingObject> made_of,
                                                      const LyingObject& as_meant);
 
-/// Every object of one scene as a model in W: what one set of views tells.
-[[nodiscard]] std::vector<ObjectModel> model_objects(const AlignedScene& scene,
-                                                     const ModellingOptions& options = {});
+/// Every object of one scene as a model in W: what one set of views tells. An object each, empty as
+/// `model_object` is.
+[[nodiscard]] std::vector<std::optional<ObjectModel>> model_objects(const AlignedScene& scene,
+                                                                    const ModellingOptions& options = {});
 
 }  // namespace stonestack::modelling
 
