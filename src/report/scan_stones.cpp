@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "modelling/no_model.hpp"
+#include "modelling/surface_known.hpp"
 #include "report/text.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/file.hpp"
@@ -157,6 +158,7 @@ ModelledViews model_views(const ModelOrder& order) {
       }
       ModelResult result =
           model_stone(model->mesh, name, concat("modelled from ", model->views, " views"), order.stone);
+      result.stone.surface = modelling::surface_known(result.stone, *model, {Eigen::Vector3d::UnitZ()});
       const Pose T_O_model = result.stone.T_O_file;
       if (objects[k].cut_off) result.warnings.push_back("it reaches out of an image: a part may be missing");
       made.stones.push_back(store(std::move(result), order.catalogue));

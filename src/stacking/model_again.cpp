@@ -6,6 +6,7 @@
 
 #include "core/quantile.hpp"
 #include "geometry/surface_tree.hpp"
+#include "modelling/surface_known.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
 
@@ -173,15 +174,6 @@ std::vector<bool> taken_objects(const AlignedScene& last, const std::vector<Ston
   return taken;
 }
 
-/// Are the vertices of the scan those of the model, one after the other? A repaired scan has others.
-bool same_vertices(const Stone& stone, const Mesh& model) {
-  constexpr double kSame = 1e-6;  // m
-  return std::equal(stone.scan.vertices.begin(), stone.scan.vertices.end(), model.vertices.begin(),
-                    model.vertices.end(), [&](const Eigen::Vector3d& p_O, const Eigen::Vector3d& p) {
-                      return (p_O - stone.T_O_file * p).norm() < kSame;
-                    });
-}
-
 }  // namespace
 
 bool is_looked_for(const StoneCandidate& candidate) {
@@ -242,11 +234,7 @@ Stone stone_of_model(const ObjectModel& model, const ModelledStone& made, const 
   stone.friction = options.stone.friction;
   stone.mass = made.mass.value_or(0.0);
   Stone made_of = model_stone(model.mesh, made.name, "modelled by the arm's camera", stone).stone;
-  if (same_vertices(made_of, model.mesh)) {
-    made_of.surface = SurfaceKnowledge{model.sigma, model.seen, {}};
-    for (const Eigen::Vector3d& up : up_at_rest)
-      made_of.surface->up_O_at_rest.push_back((made_of.T_O_file.linear() * up).normalized());
-  }
+  made_of.surface = modelling::surface_known(made_of, model, up_at_rest);
   return made_of;
 }
 

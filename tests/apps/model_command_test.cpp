@@ -24,6 +24,14 @@ TEST_F(ModelCommand, MakesACatalogueThatOtherCommandsRead) {
   const Catalogue rocks = read_catalogue(folder_ + "/rocks");
   ASSERT_EQ(rocks.stones.size(), 2U);
   EXPECT_TRUE(is_closed(rocks.stones.front().scan));
+  for (const Stone& rock : rocks.stones) {
+    ASSERT_TRUE(rock.surface.has_value()) << "its underside was completed";
+    EXPECT_EQ(rock.surface->seen.size(), rock.scan.vertices.size());
+    EXPECT_GT(std::count(rock.surface->seen.begin(), rock.surface->seen.end(), 0), 0);
+    ASSERT_EQ(rock.surface->up_O_at_rest.size(), 1U);
+    const Eigen::Vector3d up_file = rock.T_O_file.linear().transpose() * rock.surface->up_O_at_rest.front();
+    EXPECT_NEAR(up_file.z(), 1.0, 1e-6) << "the file's frame is that of the table";
+  }
   EXPECT_EQ(run("search --catalogue rocks --stones stone_1,stone_2 --method paper --budget 5").code, 0);
 }
 
