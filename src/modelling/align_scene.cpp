@@ -7,9 +7,12 @@
 #include "core/quantile.hpp"
 #include "detection/scene/fit_plane.hpp"
 #include "detection/scene/preprocess.hpp"
+#include "detection/segment/object_surface.hpp"
+#include "geometry/camera_check.hpp"
 #include "geometry/small_motion.hpp"
 #include "modelling/camera_error.hpp"
 #include "modelling/constants.hpp"
+#include "modelling/usable_options.hpp"
 #include "modelling/view_normals.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
@@ -43,9 +46,8 @@ struct SampledView {
   Pose T_W_C_reported, T_W_C;
 };
 
-SampledView sample(const DepthView& view) {
+SampledView sample(const DepthView& view, const DetectionOptions& options) {
   SampledView out;
-  const DetectionOptions options;
   out.smooth = detection::smooth_depth(view.image, options);
   out.normal_C = view_normals(out.smooth);
   out.T_W_C = out.T_W_C_reported = view.T_W_C;
@@ -175,13 +177,17 @@ void level(std::vector<SampledView>& views, const Eigen::Vector3d& middle) {
 
 AlignedScene align_scene(std::span<const DepthView> as_taken, const ModellingOptions& options) {
   require(!as_taken.empty(), "a scene needs a view");
-  const CameraError camera = measure_camera_error(as_taken);
+  for (const DepthView& view : as_taken) require_usable(view.image);
+  require_usable(options);
+  const CameraError camera = measure_camera_error(as_taken, options.segment);
   log_debug(concat("depth error that ", as_taken.size(), " views share: ", 1e3 * camera.sigma, " mm"));
   std::vector<DepthView> views;
   views.reserve(as_taken.size());
   for (const DepthView& view : as_taken) views.push_back({without_error(view.image, camera), view.T_W_C});
+  const DetectionOptions detection = detection::detection_options(options.segment);
   std::vector<SampledView> sampled(views.size());
-  tbb::parallel_for(std::size_t{0}, views.size(), [&](std::size_t k) { sampled[k] = sample(views[k]); });
+  tbb::parallel_for(std::size_t{0}, views.size(),
+                    [&](std::size_t k) { sampled[k] = sample(views[k], detection); });
   const Eigen::Vector3d middle = middle_of(sampled);
   AlignedScene scene;
   scene.apart_before = scene.apart_after = median_apart(system_of(sampled, middle, kWidestGate));

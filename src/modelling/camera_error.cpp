@@ -7,6 +7,8 @@
 #include <cmath>
 
 #include "detection/scene/preprocess.hpp"
+#include "detection/segment/object_surface.hpp"
+#include "geometry/camera_check.hpp"
 #include "stonestack/detection/detect_stones.hpp"
 
 namespace stonestack::modelling {
@@ -133,8 +135,9 @@ double CameraError::at(double u, double v) const {
          t * ((1 - s) * value(column, row + 1) + s * value(column + 1, row + 1));
 }
 
-CameraError measure_camera_error(std::span<const DepthView> views) {
-  const DetectionOptions options;
+CameraError measure_camera_error(std::span<const DepthView> views, const SegmentOptions& segment) {
+  for (const DepthView& view : views) require_usable(view.image);
+  const DetectionOptions options = detection::detection_options(segment);
   std::vector<SeenTable> seen;
   for (const DepthView& view : views) {
     const CameraIntrinsics &camera = view.image.camera, &first = views.front().image.camera;

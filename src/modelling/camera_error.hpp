@@ -25,7 +25,9 @@ struct CameraError {
 /// be the same at all distances.
 /// @return no error for views of different sizes, where fewer than two show a table, and for views from one
 /// pose
-[[nodiscard]] CameraError measure_camera_error(std::span<const DepthView> views);
+/// @throws InvalidArgument for an image that lacks depths.
+[[nodiscard]] CameraError measure_camera_error(std::span<const DepthView> views,
+                                               const SegmentOptions& options = {});
 
 /// The image without that error.
 [[nodiscard]] DepthImage without_error(DepthImage image, const CameraError& error);

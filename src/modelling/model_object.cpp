@@ -3,9 +3,11 @@
 #include <queue>
 
 #include "detection/scene/preprocess.hpp"
+#include "detection/segment/object_surface.hpp"
 #include "modelling/constants.hpp"
 #include "modelling/distance_volume.hpp"
 #include "modelling/surface_of_volume.hpp"
+#include "modelling/usable_options.hpp"
 #include "modelling/view_normals.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
@@ -34,7 +36,7 @@ std::vector<char> mask_of(const std::vector<int>& labels, int label) {
   return shows;
 }
 
-void add_views(const LyingObject& lying, Prepared& all) {
+void add_views(const LyingObject& lying, const DetectionOptions& options, Prepared& all) {
   require(lying.scene != nullptr, "a lying object needs its scene");
   const auto& scene = *lying.scene;
   require(lying.object >= 0 && lying.object < static_cast<int>(scene.segmentation.objects.size()),
@@ -47,7 +49,7 @@ void add_views(const LyingObject& lying, Prepared& all) {
     fused.shows = mask_of(scene.segmentation.labels[k], lying.object + 1);
     fused.seen_to = seen_to(view.image);
     fused.T_C_O = view.T_W_C.inverse() * lying.T_W_O;
-    all.normals.push_back(view_normals(detection::smooth_depth(view.image, {})));
+    all.normals.push_back(view_normals(detection::smooth_depth(view.image, options)));
     all.views.push_back(std::move(fused));
   }
   const Cloud& cloud = scene.segmentation.objects[static_cast<std::size_t>(lying.object)].cloud_C;
@@ -115,10 +117,11 @@ FieldList fields(ModellingOptions& o) {
 
 std::optional<ObjectModel> model_object(std::span<const LyingObject> lying, const ModellingOptions& options) {
   require(!lying.empty(), "a model needs an object in a scene");
+  require_usable(options);
   Prepared all;
   std::vector<Pose> T_W_O;
   for (const LyingObject& one : lying) {
-    add_views(one, all);
+    add_views(one, detection::detection_options(options.segment), all);
     T_W_O.push_back(one.T_W_O);
   }
   ObjectModel model;

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "modelling/camera_error.hpp"
 #include "seen_things.hpp"
 #include "stonestack/core/error.hpp"
 
@@ -59,6 +60,21 @@ TEST(AlignScene, ExactPosesAreKept) {
   options.refine_poses = false;
   const AlignedScene scene = align_scene(views, options);
   EXPECT_TRUE(scene.views[1].T_W_C.isApprox(views[1].T_W_C));
+}
+
+TEST(AlignScene, DepthsOutOfRangeAreNotAligned) {
+  ModellingOptions options;
+  const auto views = with_wrong_poses(views_of({lying_stone(3, 0.0, 0.0)}, cameras_around(2)));
+  EXPECT_GT(align_scene(views, options).apart_before, 0.0);
+  options.segment.farthest = 0.3;  // cameras stand 0.55 m from the stone
+  EXPECT_EQ(align_scene(views, options).apart_before, 0.0);
+  EXPECT_TRUE(measure_camera_error(views, options.segment).offset.empty());
+}
+
+TEST(AlignScene, AnImageThatLacksDepthsIsRefused) {
+  auto views = views_of({lying_stone(3, 0.0, 0.0)}, cameras_around(3));
+  views[1].image.z.resize(views[1].image.z.size() / 2);
+  EXPECT_THROW((void)align_scene(views), InvalidArgument);
 }
 
 TEST(AlignScene, NoViewIsRefused) {

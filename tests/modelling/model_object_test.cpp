@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "core/quantile.hpp"
 #include "geometry/surface_tree.hpp"
 #include "seen_things.hpp"
@@ -117,6 +119,20 @@ TEST(ModelObject, ViewsThatSeeThroughAllOfItGiveNoModel) {
   // Joined so that it lies below the first table, and its views see through the first place.
   const LyingObject lying[] = {{&scene, 0, Pose::Identity()}, {&wrong, 0, make_pose({0.0, 0.0, 0.08})}};
   EXPECT_FALSE(model_object(lying).has_value());
+}
+
+TEST(ModelObject, AVolumeThatDoesNotFitIsRefused) {
+  const AlignedScene scene = align_scene(views_of({lying_stone(3, 0.0, 0.0)}, cameras_around(2)));
+  const LyingObject lying{&scene, 0};
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (double ModellingOptions::*length :
+       {&ModellingOptions::voxel, &ModellingOptions::truncation, &ModellingOptions::facet})
+    for (const double value : {0.0, -1.0, nan}) {
+      ModellingOptions options;
+      options.*length = value;
+      EXPECT_THROW((void)model_object({&lying, 1}, options), InvalidArgument) << value;
+      EXPECT_THROW((void)align_scene(scene.views, options), InvalidArgument) << value;
+    }
 }
 
 }  // namespace

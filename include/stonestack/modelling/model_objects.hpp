@@ -36,7 +36,7 @@ struct AlignedScene {
 /// agree by the surfaces that they share (point to plane over all pairs of views, projective association;
 /// Chen and Medioni 1992), as far from the reported poses as arms and hand-eye calibrations err, puts the
 /// table at z = 0, and parts the objects.
-/// @throws InvalidArgument for no view.
+/// @throws InvalidArgument for no view, an image that lacks depths, and lengths that are not above 0.
 [[nodiscard]] AlignedScene align_scene(std::span<const DepthView> views,
                                        const ModellingOptions& options = {});
 
@@ -62,7 +62,7 @@ struct ObjectModel {
 /// ends at the table. Closed by construction.
 /// @return empty for an object that is too large for its cells (64 million), and where the views see through
 /// all of it, as they do where they are joined wrongly; the log says which
-/// @throws InvalidArgument for no object, or one that no view shows.
+/// @throws InvalidArgument for no object, one that no view shows, and lengths that are not above 0.
 [[nodiscard]] std::optional<ObjectModel> model_object(std::span<const LyingObject> lying,
                                                       const ModellingOptions& options = {});
 

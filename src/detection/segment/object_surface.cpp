@@ -18,15 +18,6 @@ constexpr double kBeyondTable = 0.03;  // m outside the outline of the seen tabl
 constexpr int kOutlineStride = 4;      // px between the points that make the outline
 constexpr int kFewestDepths = 200;     // of the whole image
 
-/// The options of detection that the shared steps read.
-DetectionOptions detection_options(const SegmentOptions& options) {
-  DetectionOptions out;
-  out.nearest = options.nearest;
-  out.farthest = options.farthest;
-  out.seed = options.seed;
-  return out;
-}
-
 /// Outline of the seen table.
 PlaneOutline outline_of_table(const ObjectSurface& surface, double tolerance) {
   const CameraIntrinsics& camera = surface.depth.camera;
@@ -40,6 +31,14 @@ PlaneOutline outline_of_table(const ObjectSurface& surface, double tolerance) {
 }
 
 }  // namespace
+
+DetectionOptions detection_options(const SegmentOptions& options) {
+  DetectionOptions out;
+  out.nearest = options.nearest;
+  out.farthest = options.farthest;
+  out.seed = options.seed;
+  return out;
+}
 
 ObjectSurface object_surface(const DepthImage& image, const std::optional<Plane>& expected_V,
                              const SegmentOptions& options) {

@@ -23,6 +23,9 @@ struct ObjectSurface {
   [[nodiscard]] double focal_length() const { return 0.5 * (depth.camera.fx + depth.camera.fy); }
 };
 
+/// The options of detection that the steps read which segmentation shares with it.
+[[nodiscard]] DetectionOptions detection_options(const SegmentOptions& options);
+
 /// Smooths the image, finds the table, and marks what stands on the part of it that is seen: surface higher
 /// than 6 mm, or than four times the noise about the table, and above the seen table's outline.
 [[nodiscard]] ObjectSurface object_surface(const DepthImage& image, const std::optional<Plane>& expected_V,
