@@ -51,7 +51,7 @@ SampledView sample(const DepthView& view, const DetectionOptions& options) {
   out.smooth = detection::smooth_depth(view.image, options);
   out.normal_C = view_normals(out.smooth);
   out.T_W_C = out.T_W_C_reported = view.T_W_C;
-  const auto table_C = detection::find_table(view.image, options);
+  const auto table_C = detection::find_table(out.smooth, std::nullopt, options);
   const CameraIntrinsics& camera = out.smooth.camera;
   for (int v = 0; v < camera.height; v += kObjectStride)
     for (int u = 0; u < camera.width; u += kObjectStride) {

@@ -29,9 +29,9 @@ struct SeenTable {
   std::vector<Eigen::Vector3d> p_W;  ///< where the middle of each cell sees it
 };
 
-SeenTable seen_table(const DepthView& view, const Plane& table_C, const DetectionOptions& options) {
-  SeenTable seen{
-      detection::measure_depth_error(detection::smooth_depth(view.image, options), table_C, options), {}};
+SeenTable seen_table(const DepthView& view, const DepthImage& smooth, const Plane& table_C,
+                     const DetectionOptions& options) {
+  SeenTable seen{detection::measure_depth_error(smooth, table_C, options), {}};
   for (int row = 0; row < seen.error.rows; ++row)
     for (int column = 0; column < seen.error.columns; ++column) {
       const Eigen::Vector3d ray =
@@ -142,8 +142,9 @@ CameraError measure_camera_error(std::span<const DepthView> views, const Segment
   for (const DepthView& view : views) {
     const CameraIntrinsics &camera = view.image.camera, &first = views.front().image.camera;
     if (camera.width != first.width || camera.height != first.height) return {};
-    if (const auto table_C = detection::find_table(view.image, options))
-      seen.push_back(seen_table(view, *table_C, options));
+    const DepthImage smooth = detection::smooth_depth(view.image, options);
+    if (const auto table_C = detection::find_table(smooth, std::nullopt, options))
+      seen.push_back(seen_table(view, smooth, *table_C, options));
   }
   if (seen.size() < 2 || seen.front().error.columns < 2 || seen.front().error.rows < 2) return {};
   const SharedCells cells = merge(seen);

@@ -2,7 +2,6 @@
 #include <cmath>
 #include <queue>
 
-#include "detection/scene/preprocess.hpp"
 #include "detection/segment/object_surface.hpp"
 #include "modelling/constants.hpp"
 #include "modelling/distance_volume.hpp"
@@ -49,7 +48,7 @@ void add_views(const LyingObject& lying, const DetectionOptions& options, Prepar
     fused.shows = mask_of(scene.segmentation.labels[k], lying.object + 1);
     fused.seen_to = seen_to(view.image);
     fused.T_C_O = view.T_W_C.inverse() * lying.T_W_O;
-    all.normals.push_back(view_normals(detection::smooth_depth(view.image, options)));
+    all.normals.push_back(normals_where(fused.shows, view.image, options));
     all.views.push_back(std::move(fused));
   }
   const Cloud& cloud = scene.segmentation.objects[static_cast<std::size_t>(lying.object)].cloud_C;
