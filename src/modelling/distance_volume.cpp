@@ -3,8 +3,11 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <tuple>
 
 #include "modelling/constants.hpp"
 #include "stonestack/core/error.hpp"
@@ -21,6 +24,7 @@ constexpr float kFreeWeight = 0.25F;   // of a view that sees through a place, a
 constexpr double kFreeShare = 0.2;
 constexpr float kTrusted = 0.02F;  // weight from which on a distance is measured
 constexpr double kMaxNodes = 64e6;
+constexpr double kFewestTerms = 200.0;  // for a spread that is known within 5 % (1 / sqrt(2 n))
 
 /// Statement of one view about a place.
 struct Say {
@@ -80,6 +84,32 @@ Say say_of(const FusedView& view, const Eigen::Vector3d& p_C, double truncation)
   return {};
 }
 
+/// Statements of the views near the surface about one node.
+class NearVotes {
+ public:
+  explicit NearVotes(std::size_t views) { votes_.reserve(views); }
+  void clear() { votes_.clear(); }
+  void add(const Say& say) { votes_.push_back(say); }
+  /// Sums of the weights, of their squares, and of the weighted distances.
+  [[nodiscard]] std::array<double, 3> sums() const {
+    std::array<double, 3> sums{};
+    for (const Say& say : votes_) {
+      const double w = say.weight;
+      sums[0] += w, sums[1] += w * w, sums[2] += w * say.distance;
+    }
+    return sums;
+  }
+  [[nodiscard]] double squares_about(double mean) const {
+    double sum = 0.0;
+    for (const Say& say : votes_) sum += std::pow(say.distance - mean, 2);
+    return sum;
+  }
+  [[nodiscard]] double count() const { return static_cast<double>(votes_.size()); }
+
+ private:
+  std::vector<Say> votes_;
+};
+
 Eigen::Vector3i nodes_of(const Eigen::AlignedBox3d& box, double cell) {
   return (box.sizes() / cell).array().ceil().cast<int>() + 1;
 }
@@ -100,22 +130,30 @@ DistanceVolume::DistanceVolume(const Eigen::AlignedBox3d& box_O, double cell, do
   const auto count = static_cast<std::size_t>(size_.cast<double>().prod());
   distance_.assign(count, static_cast<float>(truncation));
   weight_.assign(count, 0.0F);
+  effective_views_.assign(count, 0.0F);
   fixed_.assign(count, 0);
 }
 
 void DistanceVolume::fuse(const std::vector<FusedView>& views, const std::vector<Pose>& T_W_O) {
   const auto limit = static_cast<float>(truncation_);
+  // A layer each, added in order afterwards: threads do not matter.
+  std::vector<double> squares(static_cast<std::size_t>(size_.z()), 0.0), terms(squares);
   tbb::parallel_for(0, size_.z(), [&](int k) {
+    NearVotes votes(views.size());
     for (int j = 0; j < size_.y(); ++j)
       for (int i = 0; i < size_.x(); ++i) {
         const Eigen::Vector3d p_O = node(i, j, k);
         const std::size_t at = index(i, j, k);
         float sum = 0.0F, weight = 0.0F, near = 0.0F;
+        votes.clear();
         for (const FusedView& view : views) {
           const Say say = say_of(view, view.T_C_O * p_O, truncation_);
           sum += say.weight * say.distance;
           weight += say.weight;
-          if (say.distance < limit) near += say.weight;
+          if (say.weight > 0 && say.distance < limit) {
+            near += say.weight;
+            votes.add(say);
+          }
         }
         double below = -std::numeric_limits<double>::infinity();  // the deepest of all tables
         for (const Pose& T : T_W_O) below = std::max(below, -(T * p_O).z());
@@ -123,6 +161,16 @@ void DistanceVolume::fuse(const std::vector<FusedView>& views, const std::vector
           distance_[at] = sum / weight;
           fixed_[at] = 1;
           weight_[at] = near;
+        }
+        if (near > 0) {
+          const auto [w, w2, wd] = votes.sums();
+          effective_views_[at] = static_cast<float>(w * w / w2);
+          // Expected squares about a weighted mean: n - 2 + n sum w^2 / (sum w)^2 variances, n - 1 of equal
+          // weights.
+          if (const double mean = wd / w; votes.count() >= 2.0 && std::abs(mean) < cell_) {
+            squares[static_cast<std::size_t>(k)] += votes.squares_about(mean);
+            terms[static_cast<std::size_t>(k)] += votes.count() - 2.0 + votes.count() * w2 / (w * w);
+          }
         }
         if (below >= 0.0) {
           distance_[at] = std::max(fixed_[at] != 0 ? distance_[at] : -limit,
@@ -137,6 +185,8 @@ void DistanceVolume::fuse(const std::vector<FusedView>& views, const std::vector
         }
       }
   });
+  squares_ += std::accumulate(squares.begin(), squares.end(), 0.0);
+  terms_ += std::accumulate(terms.begin(), terms.end(), 0.0);
 }
 
 void DistanceVolume::solve(int stride, int rounds) {
@@ -245,10 +295,24 @@ double DistanceVolume::distance(const Eigen::Vector3d& p_O) const {
   return sum;
 }
 
-double DistanceVolume::weight(const Eigen::Vector3d& p_O) const {
+std::optional<std::size_t> DistanceVolume::nearest_node(const Eigen::Vector3d& p_O) const {
   const Eigen::Vector3i at = ((p_O - box_.min()) / cell_).array().round().cast<int>();
-  if ((at.array() < 0).any() || (at.array() >= size_.array()).any()) return 0.0;
-  return weight_[index(at.x(), at.y(), at.z())];
+  if ((at.array() < 0).any() || (at.array() >= size_.array()).any()) return std::nullopt;
+  return index(at.x(), at.y(), at.z());
+}
+
+double DistanceVolume::weight(const Eigen::Vector3d& p_O) const {
+  const auto at = nearest_node(p_O);
+  return at ? weight_[*at] : 0.0;
+}
+
+double DistanceVolume::effective_views(const Eigen::Vector3d& p_O) const {
+  const auto at = nearest_node(p_O);
+  return at ? effective_views_[*at] : 0.0;
+}
+
+std::optional<double> DistanceVolume::spread() const {
+  return terms_ < kFewestTerms ? std::nullopt : std::optional(std::sqrt(squares_ / terms_));
 }
 
 Eigen::Vector3d DistanceVolume::deepest() const {

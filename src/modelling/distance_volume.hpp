@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Geometry>
+#include <optional>
 #include <vector>
 
 #include "stonestack/geometry/depth_image.hpp"
@@ -36,6 +37,13 @@ class DistanceVolume {
   [[nodiscard]] double distance(const Eigen::Vector3d& p_O) const;
   /// Weight of the views at the nearest node: 1 is one view straight on it at 0.5 m.
   [[nodiscard]] double weight(const Eigen::Vector3d& p_O) const;
+  /// Number of equal views that err as little in the mean as those that show the surface at the nearest node:
+  /// (sum w)^2 / sum w^2 of their weights; 0 where none does.
+  [[nodiscard]] double effective_views(const Eigen::Vector3d& p_O) const;
+  /// Standard deviation of a single view's distances, from how views that show the same surface differ: noise
+  /// of the pixels, errors of the poses, and smooth errors that a view has alone [m]; empty where hardly any
+  /// surface is shown by two views.
+  [[nodiscard]] std::optional<double> spread() const;
   [[nodiscard]] const Eigen::AlignedBox3d& box() const { return box_; }
   /// A point deep inside the object, from where `distance` grows in all directions.
   [[nodiscard]] Eigen::Vector3d deepest() const;
@@ -51,6 +59,7 @@ class DistanceVolume {
   [[nodiscard]] Eigen::Vector3d node(int i, int j, int k) const {
     return box_.min() + cell_ * Eigen::Vector3d(i, j, k);
   }
+  [[nodiscard]] std::optional<std::size_t> nearest_node(const Eigen::Vector3d& p_O) const;
   void solve(int stride, int rounds);
 
   Eigen::AlignedBox3d box_;
@@ -58,6 +67,9 @@ class DistanceVolume {
   Eigen::Vector3i size_;
   std::vector<float> distance_;
   std::vector<float> weight_;
+  std::vector<float> effective_views_;
+  double squares_ = 0.0;     ///< of the views' distances from their mean, at all nodes near the surface [m^2]
+  double terms_ = 0.0;       ///< degrees of freedom of `squares_`
   std::vector<char> fixed_;  ///< the distance is measured, not completed
 };
 

@@ -15,8 +15,10 @@
 namespace stonestack::modelling {
 namespace {
 
-constexpr double kSeenWeight = 0.15;    // of the views at a vertex, from which on it was seen
-constexpr double kSigmaOfOne = 0.0006;  // m: depth noise of weight 1, averaged over a voxel's pixels
+constexpr double kSeenWeight = 0.15;  // of the views at a vertex, from which on it was seen
+// Of a view alone, where no other shows the same surface: noise and smooth error of a depth camera at half a
+// metre, and the error of an aligned pose.
+constexpr double kSigmaOfOne = 0.0008;  // m
 // Measured (bench modelling, cell lab): with these the errors of what was not seen have the size they say.
 constexpr double kSigmaUnseen = 0.001;  // m where the seen surface ends, ...
 constexpr double kUnseenSlope = 0.07;   // ... and more by this share of the distance from there
@@ -90,6 +92,16 @@ std::vector<double> distance_to_seen(const Mesh& mesh, const std::vector<char>& 
   return distance;
 }
 
+/// Standard deviation of a single view's distances, from how views of the object differ; else from how those
+/// of its scenes do [m].
+double sigma_of_one(const DistanceVolume& volume, std::span<const LyingObject> lying) {
+  constexpr double kOfMedian = 1.4826;  // standard deviation over the median of absolute values, of a normal
+  if (const auto spread = volume.spread()) return *spread;
+  double apart = 0.0;
+  for (const LyingObject& one : lying) apart = std::max(apart, one.scene->apart_after);
+  return apart > 0.0 ? kOfMedian * apart / std::sqrt(2.0) : kSigmaOfOne;
+}
+
 double seen_area_share(const Mesh& mesh, const std::vector<char>& seen) {
   double all = 0.0, of_seen = 0.0;
   for (const auto& face : mesh.faces) {
@@ -146,10 +158,11 @@ std::optional<ObjectModel> model_object(std::span<const LyingObject> lying, cons
     log_info("views see through all of an object: it has no model");
     return std::nullopt;
   }
+  const double of_one = sigma_of_one(volume, lying);
   for (const auto& p : model.mesh.vertices) {
-    const double weight = volume.weight(p);
-    model.seen.push_back(weight >= kSeenWeight ? 1 : 0);
-    model.sigma.push_back(std::hypot(kPoseSigma, kSigmaOfOne / std::sqrt(std::max(weight, kSeenWeight))));
+    model.seen.push_back(volume.weight(p) >= kSeenWeight ? 1 : 0);
+    const double views = std::max(1.0, volume.effective_views(p));
+    model.sigma.push_back(std::hypot(kSharedSigma, of_one / std::sqrt(views)));
   }
   const std::vector<double> away = distance_to_seen(model.mesh, model.seen);
   for (std::size_t v = 0; v < away.size(); ++v)
