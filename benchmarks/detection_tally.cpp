@@ -52,6 +52,7 @@ void judge_found(const Detection& d, const TrueStone& truth, const SceneKind& ki
   }
   tally.degrees.push_back(off.angle / kDegree);
   tally.millimetres.push_back(off.translation * 1000);
+  if (!(d.covariance.trace() > 0)) return;  // states nothing, which is not right either
   tally.chi2.push_back(mahalanobis2(d, truth.T_C_O));
   tally.calibrated += tally.chi2.back() < kChi2Of95 ? 1 : 0;
 }

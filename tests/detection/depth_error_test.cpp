@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
+
 #include <cmath>
 
 #include "detection/hypotheses/joint_refine.hpp"
@@ -87,6 +89,28 @@ TEST(JointRefine, TheTableBesideAStoneCorrectsItsPose) {
     without += error();
   }
   EXPECT_LT(with, 0.6 * without) << "rad, sum over scenes";
+}
+
+TEST(JointRefine, APoseThatRunsAwayStaysAsItCameAndIsUncertain) {
+  Stone plate;
+  plate.name = "plate";
+  plate.mesh = plate.scan = make_box({0.04, 0.04, 0.03});
+  const DetectionModels models(std::vector<Stone>{plate});
+  const Pose T_W_C = test::make_camera_pose(0.0, 0.0, 0.5), T_W_O = make_pose({0, 0, 0.015});
+  const DetectionScene scene = preprocess(test::look_at({{&plate, T_W_O}}, T_W_C), {}, true, {});
+  Detection turned;  // about a line across the face: all that is seen lies within 6 mm, and turns it back
+  turned.stone = 0_stone;
+  const Pose lifted = make_pose({0, 0, 0.015});
+  turned.T_C_O = T_W_C.inverse() * T_W_O * lifted * Pose(Eigen::AngleAxisd(0.29, Eigen::Vector3d::UnitX())) *
+                 lifted.inverse();
+  const Detection kept = refined_together({turned}, models.data(), scene).front();
+  EXPECT_EQ(kept.T_C_O.matrix(), turned.T_C_O.matrix()) << "the trap is gone: it does not run away";
+  EXPECT_GT(kept.covariance.trace(), 0.0);
+  Eigen::Matrix<double, 6, 1> off;
+  const Pose truth = T_W_C.inverse() * T_W_O;
+  const Eigen::AngleAxisd turn(truth.linear() * kept.T_C_O.linear().transpose());
+  off << truth.translation() - kept.T_C_O.translation(), turn.angle() * turn.axis();
+  EXPECT_LT(off.dot(kept.covariance.ldlt().solve(off)), 12.6) << "beyond 95 %";  // chi^2, six degrees
 }
 
 }  // namespace

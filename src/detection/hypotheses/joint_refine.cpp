@@ -143,6 +143,15 @@ Matrix6 covariance_C(const Matrix6& P_O, const Pose& T_C_O, const Eigen::Vector3
   return B * P_O * B.transpose();
 }
 
+/// Covariance of a pose that the evidence does not hold: as far off as a pose may move, along and about each
+/// axis.
+Matrix6 not_held(const Pose& T_C_O, const Eigen::Vector3d& centre) {
+  Matrix6 P_O = Matrix6::Zero();
+  P_O.diagonal().head<3>().setConstant(kFurthest * kFurthest);
+  P_O.diagonal().tail<3>().setConstant(kFurthestTurn * kFurthestTurn);
+  return covariance_C(P_O, T_C_O, centre);
+}
+
 }  // namespace
 
 std::vector<Detection> refined_together(std::vector<Detection> found, const DetectionModels::Data& data,
@@ -179,10 +188,15 @@ std::vector<Detection> refined_together(std::vector<Detection> found, const Dete
   for (std::size_t k = 0; k < found.size(); ++k) {
     const Pose T_C_O = parts[k].T_O_C.inverse();
     const PoseDifference moved = difference(found[k].T_C_O, T_C_O);
-    if (!is_valid(T_C_O) || moved.translation > kFurthest || moved.angle > kFurthestTurn) continue;
-    found[k].T_C_O = T_C_O;
     const auto s = static_cast<Eigen::Index>(6 * k);
-    found[k].covariance = covariance_C(P.block<6, 6>(s, s), T_C_O, parts[k].model.centre);
+    const Matrix6 P_O = P.block<6, 6>(s, s);
+    if (!is_valid(T_C_O) || moved.translation > kFurthest || moved.angle > kFurthestTurn ||
+        !P_O.allFinite()) {
+      found[k].covariance = not_held(found[k].T_C_O, parts[k].model.centre);
+      continue;
+    }
+    found[k].T_C_O = T_C_O;
+    found[k].covariance = covariance_C(P_O, T_C_O, parts[k].model.centre);
   }
   return found;
 }
