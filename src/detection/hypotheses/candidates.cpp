@@ -81,10 +81,13 @@ double tolerance(const DetectionModel& model, const Pose& T_C_O, const Detection
   return std::max(kVerifyTolerance, std::min(noisy, kShapeTolerance * model.radius));
 }
 
-std::optional<Candidate> judge_pose(const DetectionModel& model, StoneIndex stone, const Pose& T_C_O,
-                                    const DetectionScene& scene, double hidden_weight) {
+Refined refine_finely(const DetectionModel& model, const Pose& T_C_O, const DetectionScene& scene) {
   const auto near = points_near(model, T_C_O, scene.surface, kIcpGate, kFinePoints);
-  const Refined refined = refine_pose(model, T_C_O, scene.surface, near, fine_refinement());
+  return refine_pose(model, T_C_O, scene.surface, near, fine_refinement());
+}
+
+std::optional<Candidate> judge_refined(const DetectionModel& model, StoneIndex stone, const Refined& refined,
+                                       const DetectionScene& scene, double hidden_weight) {
   if (refined.correspondences == 0 || !is_valid(refined.T_C_O)) return {};
   VerifyOptions strict{tolerance(model, refined.T_C_O, scene), hidden_weight};
   strict.keep_pixels = strict.contour = true;
@@ -100,6 +103,11 @@ std::optional<Candidate> judge_pose(const DetectionModel& model, StoneIndex ston
   return candidate;
 }
 
+std::optional<Candidate> judge_pose(const DetectionModel& model, StoneIndex stone, const Pose& T_C_O,
+                                    const DetectionScene& scene, double hidden_weight) {
+  return judge_refined(model, stone, refine_finely(model, T_C_O, scene), scene, hidden_weight);
+}
+
 std::vector<SeenPixel> explained_pixels(const DetectionModel& model, const Pose& T_C_O,
                                         const DetectionScene& scene) {
   VerifyOptions strict{tolerance(model, T_C_O, scene), kHiddenWeight};
@@ -113,16 +121,16 @@ std::vector<Candidate> judge_hypotheses(const DetectionModel& model, StoneIndex 
                                         ModelMemory* memory) {
   std::vector<Candidate> candidates;
   for (const auto& pose : coarse_poses(model, hypotheses, scene, kept_poses, memory)) {
-    const auto* known = memory != nullptr ? memory->fine.find(model, pose.T_C_O, scene) : nullptr;
-    auto candidate =
-        known != nullptr ? known->verdict : judge_pose(model, stone, pose.T_C_O, scene, kHiddenWeight);
+    if (const auto* known = memory != nullptr ? memory->fine.find(model, pose.T_C_O, scene) : nullptr) {
+      if (known->verdict) candidates.push_back(*known->verdict);
+      continue;
+    }
+    const Refined refined = refine_finely(model, pose.T_C_O, scene);
+    auto candidate = judge_refined(model, stone, refined, scene, kHiddenWeight);
     const bool kept =
         options.method == "paper" || (candidate && candidate->detection.score > 0.5 * options.accept_score);
-    if (candidate && !kept) candidate.reset();
-    if (memory != nullptr && known == nullptr) {
-      const Pose& T_C_O_last = candidate ? candidate->detection.T_C_O : pose.T_C_O;
-      memory->fine.keep(model, pose.T_C_O, T_C_O_last, scene, candidate);
-    }
+    if (!kept) candidate.reset();
+    if (memory != nullptr) memory->fine.keep(model, pose.T_C_O, refined.T_C_O, scene, candidate);
     if (candidate) candidates.push_back(std::move(*candidate));
   }
   std::stable_sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
