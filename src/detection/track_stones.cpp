@@ -4,7 +4,6 @@
 
 #include "detection/constants.hpp"
 #include "detection/features/models.hpp"
-#include "detection/scene/preprocess.hpp"
 
 namespace stonestack::detection {
 namespace {
@@ -87,7 +86,9 @@ TrackResult track_stones(const DepthImage& image, const DetectionModels& models,
     if (result.table_C) table_C = result.table_C;
     for (const auto& d : result.detections) give(all, expected, d);
   }
-  if (!table_C) table_C = preprocess(image, {}, true, options).table_C;
+  const bool sees_any =
+      std::any_of(all.begin(), all.end(), [](const TrackedStone& t) { return t.detection.has_value(); });
+  if (!table_C && sees_any) table_C = find_table(image, options);
   const Eigen::Vector3d up_C = table_C ? table_C->normal : Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < all.size(); ++i)
     if (all[i].detection)
