@@ -37,6 +37,30 @@ bool rigid_fit(std::span<const Pair> pairs, std::span<const int> group, float si
   return agree > 0.7 * static_cast<double>(group.size());
 }
 
+/// Which pairs are consistent, each two compared once, or as often as asked where they are very many.
+class Agreement {
+ public:
+  Agreement(const std::vector<Pair>& pairs, float size, float normal)
+      : pairs_(pairs), size_(size), normal_(normal) {
+    if (pairs.size() <= kMaxPairs) known_.assign(pairs.size() * (pairs.size() + 1) / 2, kUnknown);
+  }
+
+  [[nodiscard]] bool between(std::size_t i, std::size_t k) {
+    if (known_.empty()) return consistent(pairs_[i], pairs_[k], size_, normal_);
+    const std::size_t low = std::min(i, k), high = std::max(i, k);
+    char& known = known_[high * (high + 1) / 2 + low];
+    if (known == kUnknown) known = consistent(pairs_[i], pairs_[k], size_, normal_) ? kYes : kNo;
+    return known == kYes;
+  }
+
+ private:
+  static constexpr std::size_t kMaxPairs = 4000;  // 8 MB
+  static constexpr char kUnknown = 0, kNo = 1, kYes = 2;
+  const std::vector<Pair>& pairs_;
+  float size_, normal_;
+  std::vector<char> known_;  ///< the lower triangle of a symmetric matrix, row by row
+};
+
 }  // namespace
 
 std::vector<Hypothesis> consistent_groups(std::span<const Correspondence> matches, const Features& scene,
@@ -47,6 +71,7 @@ std::vector<Hypothesis> consistent_groups(std::span<const Correspondence> matche
         {scene.points[static_cast<std::size_t>(m.scene)], model.points[static_cast<std::size_t>(m.model)],
          scene.normals[static_cast<std::size_t>(m.scene)], model.normals[static_cast<std::size_t>(m.model)]});
   const auto size = static_cast<float>(options.size), normal = static_cast<float>(options.normal_angle);
+  Agreement agree(pairs, size, normal);
   std::vector<char> taken(pairs.size(), 0);
   std::vector<Hypothesis> found;
   std::vector<int> group;
@@ -55,9 +80,8 @@ std::vector<Hypothesis> consistent_groups(std::span<const Correspondence> matche
     group.assign(1, static_cast<int>(seed));
     for (std::size_t j = 0; j < pairs.size(); ++j) {
       if (j == seed || taken[j] != 0) continue;
-      const bool fits = std::all_of(group.begin(), group.end(), [&](int i) {
-        return consistent(pairs[static_cast<std::size_t>(i)], pairs[j], size, normal);
-      });
+      const bool fits = std::all_of(group.begin(), group.end(),
+                                    [&](int i) { return agree.between(static_cast<std::size_t>(i), j); });
       if (fits) group.push_back(static_cast<int>(j));
     }
     if (static_cast<int>(group.size()) < options.fewest) continue;

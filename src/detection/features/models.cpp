@@ -94,11 +94,17 @@ DetectionModel make_detection_model(const Stone& stone) {
                        {},
                        {},
                        {},
-                       {}};
+                       {},
+                       {},
+                       0.0};
   model.drawn = reduce_mesh(stone.mesh, kDrawnFaces);
   if (model.drawn.faces.empty()) model.drawn = stone.mesh;  // cannot be reduced
   model.drawn_normals = face_normals(model.drawn);
   model.sigma = surface_sigma(stone, model.surface, model.mesh, model.drawn);
+  for (std::size_t k = 0; k < model.surface.points.size(); ++k)
+    model.samples.push_back({model.surface.points[k], model.sigma.samples[k], model.surface.normals[k]});
+  for (const auto& p : model.drawn.vertices)
+    model.drawn_radius = std::max(model.drawn_radius, (p - model.centre).norm());
   for (const auto& p : stone.mesh.vertices) model.radius = std::max(model.radius, (p - model.centre).norm());
   model.sides = make_sides(model.surface);
   return model;
@@ -113,42 +119,101 @@ const std::vector<Pose>& symmetries_of(const DetectionModel& model) {
   return model.symmetries.get([&] { return turns_onto_itself(model); });
 }
 
-bool explains(const DetectionModel& model, const Pose& T_C_O, const Eigen::Vector3f& p_C, double margin) {
-  const Eigen::Vector3d p_O = T_C_O.inverse() * p_C.cast<double>();
+namespace {
+
+/// True if a point of O is within `margin` of the surface of the model, or of where that may be, or inside.
+bool covers(const DetectionModel& model, const Eigen::Vector3d& p_O, double margin) {
   if ((p_O - model.centre).norm() > model.radius + margin) return false;
   const Eigen::Vector3f q = p_O.cast<float>();
   const int k = model.field.nearest(q);
   if (k < 0) return false;
-  const Eigen::Vector3f d = q - model.surface.points[static_cast<std::size_t>(k)];
-  return model.surface.normals[static_cast<std::size_t>(k)].dot(d) < 0 ||
-         d.norm() <
-             std::max(static_cast<float>(margin), 2.0F * model.sigma.samples[static_cast<std::size_t>(k)]);
+  const ModelSample& near = model.samples[static_cast<std::size_t>(k)];
+  const Eigen::Vector3f d = q - near.p;
+  return near.n.dot(d) < 0 || d.norm() < std::max(static_cast<float>(margin), 2.0F * near.sigma);
+}
+
+/// A stone that is taken out of a scene, and the ball about its centre that holds all its points.
+class TakenStone {
+ public:
+  TakenStone(const DetectionModel& model, const Pose& T_C_O)
+      : model_(model),
+        T_O_C_(T_C_O.inverse()),
+        ball_{T_C_O * model.centre, model.radius + kExplainedMargin},
+        reach2_((ball_.radius + kRounding) * (ball_.radius + kRounding)) {}
+
+  [[nodiscard]] const TakenBall& ball() const { return ball_; }
+
+  [[nodiscard]] bool explains(const Eigen::Vector3f& p_C) const {
+    const Eigen::Vector3d p = p_C.cast<double>();
+    return (p - ball_.centre_C).squaredNorm() <= reach2_ && covers(model_, T_O_C_ * p, kExplainedMargin);
+  }
+
+ private:
+  static constexpr double kRounding = 1e-6;  // m
+  const DetectionModel& model_;
+  Pose T_O_C_;
+  TakenBall ball_;
+  double reach2_;
+};
+
+/// Rows and columns of a view that may show a ball: all, where lens distortion bends its outline or the
+/// camera is near it.
+struct PixelBounds {
+  int u0, v0, u1, v1;  ///< from low to below high
+};
+
+PixelBounds pixels_of(const TakenBall& ball, const SeenView& view) {
+  const CameraIntrinsics& camera = view.depth.camera;
+  const PixelBounds all{0, 0, camera.width, camera.height};
+  const Eigen::Vector3d centre = view.T_C_V.inverse() * ball.centre_C;
+  if (camera.distortion != CameraIntrinsics::Distortion::kNone || !(centre.z() > 1.05 * ball.radius))
+    return all;
+  Eigen::AlignedBox2d box;
+  for (int corner = 0; corner < 8; ++corner) {
+    const auto sign = [&](int bit) { return (corner >> bit & 1) != 0 ? ball.radius : -ball.radius; };
+    box.extend(project(camera, centre + Eigen::Vector3d(sign(0), sign(1), sign(2))));
+  }
+  if (!box.min().allFinite() || !box.max().allFinite()) return all;
+  const auto within = [](double x, int size) { return static_cast<int>(std::clamp(x, 0.0, 1.0 * size)); };
+  return {within(box.min().x() - 1, camera.width), within(box.min().y() - 1, camera.height),
+          within(box.max().x() + 2, camera.width), within(box.max().y() + 2, camera.height)};
+}
+
+/// Flags the pixels of a view that show a stone.
+void flag_explained(SeenView& view, const TakenStone& stone) {
+  const CameraIntrinsics& camera = view.depth.camera;
+  const PixelBounds bounds = pixels_of(stone.ball(), view);
+  tbb::parallel_for(bounds.v0, std::max(bounds.v0, bounds.v1), [&](int v) {
+    for (int u = bounds.u0; u < bounds.u1; ++u) {
+      const float z = view.depth.at(u, v);
+      char& flag = view.explained[static_cast<std::size_t>(v * camera.width + u)];
+      if (flag == 0 && z > 0 && stone.explains((view.T_C_V * (z * deproject(camera, u, v))).cast<float>()))
+        flag = 1;
+    }
+  });
+}
+
+}  // namespace
+
+bool explains(const DetectionModel& model, const Pose& T_C_O, const Eigen::Vector3f& p_C, double margin) {
+  return covers(model, T_C_O.inverse() * p_C.cast<double>(), margin);
 }
 
 DetectionScene without_stones(DetectionScene scene, const DetectionModels::Data& data,
                               std::span<const KnownStone> stones) {
   if (stones.empty()) return scene;
-  const auto explained = [&](const Eigen::Vector3f& p) {
-    return std::any_of(stones.begin(), stones.end(), [&](const KnownStone& k) {
-      return explains(at(data.models, k.stone), k.T_C_O, p, kExplainedMargin);
-    });
-  };
+  std::vector<TakenStone> taken;
+  for (const KnownStone& k : stones) taken.emplace_back(at(data.models, k.stone), k.T_C_O);
   for (auto& view : scene.views) {
-    const CameraIntrinsics& camera = view.depth.camera;
     view.explained.resize(view.depth.z.size(), 0);
-    tbb::parallel_for(0, camera.height, [&](int v) {
-      for (int u = 0; u < camera.width; ++u)
-        if (const float z = view.depth.at(u, v);
-            z > 0 && explained((view.T_C_V * (z * deproject(camera, u, v))).cast<float>()))
-          view.explained[static_cast<std::size_t>(v * camera.width + u)] = 1;
-    });
-    view.explained_before = integral(view.explained, camera.width, camera.height);
+    for (const TakenStone& stone : taken) flag_explained(view, stone);
+    view.explained_before = integral(view.explained, view.depth.camera.width, view.depth.camera.height);
   }
-  for (const KnownStone& k : stones) {
-    const DetectionModel& model = at(data.models, k.stone);
-    scene.taken.push_back({k.T_C_O * model.centre, model.radius + kExplainedMargin});
-  }
-  keep_surface(scene, [&](std::size_t i) { return !explained(scene.surface.points[i]); });
+  for (const TakenStone& stone : taken) scene.taken.push_back(stone.ball());
+  keep_surface(scene, [&](std::size_t i) {
+    return std::none_of(taken.begin(), taken.end(),
+                        [&](const TakenStone& stone) { return stone.explains(scene.surface.points[i]); });
+  });
   find_clusters(scene, kClusterGap);
   return scene;
 }

@@ -25,6 +25,13 @@ struct ModelSide {
   float area = 0.0F;        ///< projected [m^2]
 };
 
+/// A sample of a model's surface, in O: all of it in one cache line, as registrations read them in no order.
+struct alignas(32) ModelSample {
+  Eigen::Vector3f p;
+  float sigma = 0.0F;  ///< standard deviation of the surface there [m]
+  Eigen::Vector3f n;   ///< unit, outwards
+};
+
 /// A stone prepared for detection, in O.
 struct DetectionModel {
   std::string name;
@@ -41,6 +48,8 @@ struct DetectionModel {
   std::vector<ModelSide> sides;
   MadeOnce<Features> features;             ///< see `features_of`
   MadeOnce<std::vector<Pose>> symmetries;  ///< see `symmetries_of`
+  std::vector<ModelSample> samples;        ///< those of `surface` again, to be read at random
+  double drawn_radius = 0.0;               ///< of the vertices of `drawn` about `centre` [m]
 };
 
 struct DetectionModels::Data {

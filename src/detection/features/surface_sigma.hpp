@@ -33,12 +33,13 @@ inline constexpr double kAlikePoints = 30.0;
 /// How far [m] a seen surface may lie off the stone's and be the same, where the model errs by `sigma`, too:
 /// two standard deviations. Without an error, `tolerance`.
 [[nodiscard]] inline double widened(double tolerance, double sigma) {
-  return std::hypot(tolerance, 2.0 * sigma);
+  return sigma == 0.0 ? tolerance : std::hypot(tolerance, 2.0 * sigma);
 }
 
 /// Weight of a place as evidence: 1 where the model has no error, the less the further the tolerance is
 /// widened.
 [[nodiscard]] inline double evidence_weight(double tolerance, double sigma) {
+  if (sigma == 0.0) return 1.0;
   const double share = tolerance / widened(tolerance, sigma);
   return share * share;
 }

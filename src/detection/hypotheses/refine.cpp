@@ -36,13 +36,14 @@ Normal accumulate(const DetectionModel& model, const Pose& T_O_C, const SurfaceP
     const Eigen::Vector3f q = T * seen.points[static_cast<std::size_t>(i)];
     const int k = model.field.nearest(q);
     if (k < 0) continue;
-    s = model.surface.points[static_cast<std::size_t>(k)];
-    n = model.surface.normals[static_cast<std::size_t>(k)];
+    const ModelSample& near = model.samples[static_cast<std::size_t>(k)];
+    s = near.p;
+    n = near.n;
     if ((q - s).squaredNorm() > static_cast<float>(gate * gate)) continue;
     if (n.dot(T.linear() * seen.normals[static_cast<std::size_t>(i)]) < static_cast<float>(min_cosine))
       continue;
     const float r = n.dot(q - s);
-    const float of_model = 2.0F * model.sigma.samples[static_cast<std::size_t>(k)];
+    const float of_model = 2.0F * near.sigma;
     const float w = 1.0F / (1.0F + (r * r + of_model * of_model) * inverse);
     J.head<3>() = n;
     J.segment<3>(3) = (q - centre).cross(n);

@@ -32,13 +32,16 @@ void name(std::vector<SeenCluster>& clusters, const SurfacePoints& seen) {
   for (auto& c : clusters) c.name = fingerprint(seen, c.points, c.view);
 }
 
-std::vector<SeenCluster> seen_clusters(const DetectionScene& scene) {
+/// @param labels the cluster of each point of the scene's surface, or -1
+std::vector<SeenCluster> seen_clusters(const DetectionScene& scene, const std::vector<int>& labels) {
   const std::size_t views = scene.views.size();
-  std::vector<SeenCluster> all(static_cast<std::size_t>(scene.clusters) * views);
-  for (std::size_t i = 0; i < scene.cluster.size(); ++i) {
-    if (scene.cluster[i] < 0) continue;
+  int count = 0;
+  for (const int label : labels) count = std::max(count, label + 1);
+  std::vector<SeenCluster> all(static_cast<std::size_t>(count) * views);
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    if (labels[i] < 0) continue;
     auto& cluster =
-        all[static_cast<std::size_t>(scene.cluster[i]) * views + static_cast<std::size_t>(scene.view_of[i])];
+        all[static_cast<std::size_t>(labels[i]) * views + static_cast<std::size_t>(scene.view_of[i])];
     cluster.view = scene.view_of[i];
     cluster.points.push_back(static_cast<int>(i));
   }
@@ -50,11 +53,11 @@ std::vector<SeenCluster> seen_clusters(const DetectionScene& scene) {
 /// Clusters, those that wider gaps join (a stone that holes or shadow have torn), and the parts that creases
 /// split them into.
 std::vector<SeenCluster> with_parts(const DetectionScene& scene) {
-  const auto clusters = seen_clusters(scene);
+  const auto clusters = seen_clusters(scene, scene.cluster);
   std::vector<SeenCluster> all = clusters;
-  DetectionScene joined = scene;
-  find_clusters(joined, kWiderGap * kClusterGap);
-  for (auto& cluster : seen_clusters(joined)) {
+  const auto joined =
+      cluster_points(scene.surface.points, static_cast<float>(kWiderGap * kClusterGap), kClusterPoints);
+  for (auto& cluster : seen_clusters(scene, joined)) {
     const bool known = std::any_of(clusters.begin(), clusters.end(), [&](const SeenCluster& c) {
       return c.view == cluster.view && c.points.size() == cluster.points.size() &&
              c.points[0] == cluster.points[0];
@@ -194,7 +197,7 @@ SearchView search_view(Turn turn, Search& so_far, const Features& seen) {
   if (turn == Turn::kDescribe) return {true, &seen, {}, false};
   SearchView view{false, nullptr, {}, turn == Turn::kThorough};
   if (turn == Turn::kSweep) {
-    view.clusters = seen_clusters(so_far.scene);
+    view.clusters = seen_clusters(so_far.scene, so_far.scene.cluster);
     name(view.clusters, so_far.scene.surface);
     return view;
   }

@@ -96,8 +96,9 @@ float misfit(const DetectionModel& model, const std::vector<PatchPoint>& turned,
       sum += 2.0F * cap;
       continue;
     }
-    const float d2 = (q - model.surface.points[static_cast<std::size_t>(k)]).squaredNorm();
-    const float cosine = model.surface.normals[static_cast<std::size_t>(k)].dot(point.n);
+    const ModelSample& near = model.samples[static_cast<std::size_t>(k)];
+    const float d2 = (q - near.p).squaredNorm();
+    const float cosine = near.n.dot(point.n);
     sum += std::min(d2, cap) + cap * std::min(1.0F, 1.0F - cosine);
   }
   return sum / static_cast<float>(turned.size());
@@ -116,11 +117,12 @@ Eigen::Vector3f slide(const DetectionModel& model, const std::vector<PatchPoint>
     const Eigen::Vector3f q = point.p + t_O_C;
     const int k = model.field.nearest(q);
     if (k < 0) continue;
-    const Eigen::Vector3f& n = model.surface.normals[static_cast<std::size_t>(k)];
+    const ModelSample& near = model.samples[static_cast<std::size_t>(k)];
+    const Eigen::Vector3f& n = near.n;
     if (n.dot(point.n) < 0) continue;
     xx += n.x() * n.x(), xy += n.x() * n.y(), xz += n.x() * n.z();
     yy += n.y() * n.y(), yz += n.y() * n.z(), zz += n.z() * n.z();
-    g += n.dot(model.surface.points[static_cast<std::size_t>(k)] - q) * n;
+    g += n.dot(near.p - q) * n;
     ++count;
   }
   if (count < enough) return Eigen::Vector3f::Zero();

@@ -59,15 +59,24 @@ int drawing_step(const DetectionModel& model, const Pose& T_C_O, const CameraInt
   return std::clamp(static_cast<int>(std::lround(std::sqrt(in_view / pixels))), 1, 16);
 }
 
-/// Depth [m] of the model's deepest vertex below what carries things there, as far as the vertex is known; 0
-/// without a table.
-double below_support(const DetectionModel& model, const Pose& T_C_O, const DetectionScene& scene) {
-  const auto planes = planes_below(scene, T_C_O * model.centre);
-  double deepest = 0;
-  for (std::size_t v = 0; v < model.drawn.vertices.size(); ++v)
-    for (const auto& plane : planes)
-      deepest =
-          std::max(deepest, -plane.distance(T_C_O * model.drawn.vertices[v]) - 2.0 * model.sigma.drawn[v]);
+/// Depth [m] of the model's deepest vertex below what carries things there, as far as the vertex is known;
+/// `tolerated` where it is less, or without a table.
+double below_support(const DetectionModel& model, const Pose& T_C_O, const DetectionScene& scene,
+                     double tolerated) {
+  constexpr double kRounding = 1e-6;  // m
+  const Eigen::Vector3d centre = T_C_O * model.centre;
+  double deepest = tolerated;
+  for (const auto& plane : planes_below(scene, centre)) {
+    if (model.drawn_radius - plane.distance(centre) + kRounding <= tolerated) continue;
+    // In O, where no vertex is transformed; exactly for those that this shows to be the deepest.
+    const Eigen::Vector3d n_O = T_C_O.linear().transpose() * plane.normal;
+    const double offset_O = plane.offset - plane.normal.dot(T_C_O.translation());
+    for (std::size_t v = 0; v < model.drawn.vertices.size(); ++v) {
+      const double known = 2.0 * model.sigma.drawn[v];
+      if (offset_O - n_O.dot(model.drawn.vertices[v]) - known + kRounding < deepest) continue;
+      deepest = std::max(deepest, -plane.distance(T_C_O * model.drawn.vertices[v]) - known);
+    }
+  }
   return deepest;
 }
 
@@ -132,9 +141,10 @@ double share_beyond(const DetectionModel& model, const Pose& T_C_O, const Surfac
     if ((q - centre).squaredNorm() > reach * reach) continue;
     const int k = model.field.nearest(q);
     if (k < 0) continue;
-    const float d = (q - model.surface.points[static_cast<std::size_t>(k)]).norm();
+    const ModelSample& nearest = model.samples[static_cast<std::size_t>(k)];
+    const float d = (q - nearest.p).norm();
     if (!(d < far)) continue;
-    const double sigma = model.sigma.samples[static_cast<std::size_t>(k)];
+    const double sigma = nearest.sigma;
     const auto near = static_cast<float>(1.5 * widened(options.tolerance, sigma));
     (d < near ? at : off) += evidence_weight(options.tolerance, sigma);
   }
@@ -214,7 +224,7 @@ Verdict verify_pose(const DetectionModel& model, const Pose& T_C_O, const Detect
   const double seen = tally.fits + tally.through + tally.just_in_front;
   const double beyond = share_beyond(model, T_C_O, scene.surface, around, options);
   const double goes_on = tally.contour.seen > 0 ? tally.contour.goes_on / tally.contour.seen : 0.0;
-  const double below = below_support(model, T_C_O, scene);
+  const double below = below_support(model, T_C_O, scene, options.below_table);
   ScoreLosses& lost = verdict.lost;
   lost.misfit = (tally.fits - tally.quality) / seen;
   lost.seen_through = 2.0 * tally.through / seen;  // it does not fit, and it contradicts
