@@ -79,6 +79,28 @@ TEST_F(Views, TheFusedPosesUncertaintyIsTrue) {
   }
 }
 
+TEST(FusedViews, AverageNoErrorOfTheModelOut) {
+  Stone small = test::make_test_stone(1);  // its points in two views are fewer than a joint refinement takes
+  for (Mesh* mesh : {&small.mesh, &small.scan})
+    for (Eigen::Vector3d& p : mesh->vertices) p *= 0.6;
+  const DetectionModels models(std::vector<Stone>{small});
+  const Pose T_W_C = test::make_camera_pose(0.5, 0.3, 0.5);
+  const Pose T_W_O = test::on_table(small, Eigen::Quaterniond(0.7, 0.2, -0.4, 0.5).normalized(), 0, 0);
+  const DepthImage clean = test::look_at({{&small, T_W_O}}, T_W_C);
+  const std::vector<DepthView> views = {{test::with_noise(clean, 0.0006, 1), T_W_C},
+                                        {test::with_noise(clean, 0.0006, 2), T_W_C}};
+  const auto one = detect_stones(std::span(views).first(1), models).detections;
+  const auto two = detect_stones(views, models).detections;
+  ASSERT_EQ(one.size(), 1U);
+  ASSERT_EQ(two.size(), 1U);
+  // The error of the model, most of it all, is alike in both: only the noise averages out.
+  for (const int block : {0, 3}) {
+    const auto stated = [&](const Detection& d) { return d.covariance.block<3, 3>(block, block).trace(); };
+    EXPECT_GT(stated(two[0]), 0.8 * stated(one[0])) << (block == 0 ? "m^2" : "rad^2");
+    EXPECT_LT(stated(two[0]), 1.1 * stated(one[0])) << (block == 0 ? "m^2" : "rad^2");
+  }
+}
+
 TEST_F(Views, OneViewGivesTheSameAsTheImageAlone) {
   const auto views = hidden_scene(Pose::Identity());
   const auto alone = detect_stones(views[1].image, *models());

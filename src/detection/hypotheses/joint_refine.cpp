@@ -129,6 +129,35 @@ LinearSystem joint_system(std::vector<Part>& parts, const std::vector<Pose>& T_C
   return all;
 }
 
+/// Covariance of the gradient that the equations leave out: the error of a stone's model at one place is the
+/// same in all views that show the place.
+Eigen::MatrixXd shared_model_error(const std::vector<Part>& parts, std::size_t views) {
+  const std::size_t stones = parts.size();
+  const auto size = static_cast<Eigen::Index>(6 * (stones + views - 1));
+  Eigen::MatrixXd half = Eigen::MatrixXd::Zero(size, size);
+  for (std::size_t k = 0; k < stones; ++k) {
+    std::vector<ModelScores> scores;
+    for (const StoneInView& view : parts[k].views) scores.push_back(view.model_scores());
+    const auto s = static_cast<Eigen::Index>(6 * k);
+    for (std::size_t v = 1; v < views; ++v)
+      for (std::size_t w = 0; w < v; ++w) {
+        Eigen::Matrix<double, 12, 12> both = Eigen::Matrix<double, 12, 12>::Zero();
+        for (const auto& [place, one] : scores[v])
+          if (const auto other = scores[w].find(place); other != scores[w].end())
+            both += std::sqrt(one.variance * other->second.variance) / (one.points * other->second.points) *
+                    one.sum * other->second.sum.transpose();
+        const auto a = static_cast<Eigen::Index>(6 * (stones + v - 1));
+        half.block<6, 6>(s, s) += both.topLeftCorner<6, 6>();
+        half.block<6, 6>(a, s) += both.bottomLeftCorner<6, 6>();
+        if (w == 0) continue;  // the first view does not move
+        const auto b = static_cast<Eigen::Index>(6 * (stones + w - 1));
+        half.block<6, 6>(s, b) += both.topRightCorner<6, 6>();
+        half.block<6, 6>(a, b) += both.bottomRightCorner<6, 6>();
+      }
+  }
+  return half + half.transpose();
+}
+
 /// From (translation, rotation) of the seen points about the centre, in O, to (translation of the stone's
 /// origin, rotation) of the stone, in C.
 Matrix6 covariance_C(const Matrix6& P_O, const Pose& T_C_O, const Eigen::Vector3d& centre) {
@@ -183,8 +212,8 @@ std::vector<Detection> refined_together(std::vector<Detection> found, const Dete
                                                Eigen::Vector3d::Zero()));
     if (x.cwiseAbs().maxCoeff() < kStill) break;
   }
-  const Eigen::MatrixXd P =
-      system.H.ldlt().solve(Eigen::MatrixXd::Identity(system.H.rows(), system.H.cols()));
+  Eigen::MatrixXd P = system.H.ldlt().solve(Eigen::MatrixXd::Identity(system.H.rows(), system.H.cols()));
+  if (T_C_V.size() > 1) P += P * shared_model_error(parts, T_C_V.size()) * P;
   for (std::size_t k = 0; k < found.size(); ++k) {
     const Pose T_C_O = parts[k].T_O_C.inverse();
     const PoseDifference moved = difference(found[k].T_C_O, T_C_O);

@@ -16,8 +16,14 @@ constexpr double kMeshSigma =
     0.0017;                       // m, of a point: 500 faces are 0.3 mm off, times the root of these points
 constexpr int kMaxPatches = 150;  // of the stone itself: more are joined
 constexpr int kFurthestRing = 4;  // patches beside the stone
+constexpr double kPlaceSize = 0.006;  // m: a place on the model, of about four samples
 
 using Vector12 = Eigen::Matrix<double, 12, 1>;
+
+std::array<int, 3> place_of(const Eigen::Vector3d& p_O) {
+  const Eigen::Array3i cell = (p_O.array() / kPlaceSize).floor().cast<int>();
+  return {cell.x(), cell.y(), cell.z()};
+}
 
 }  // namespace
 
@@ -74,6 +80,7 @@ void StoneInView::lay_patches(const SeenView& view) {
 
 LinearSystem StoneInView::normal_equations(const DetectionModel& model, const Pose& T_O_V) {
   LinearSystem out{Eigen::MatrixXd::Zero(12, 12), Eigen::VectorXd::Zero(12), 0};
+  weighed_.clear();
   if (samples_.empty()) return out;
   const Eigen::Index count = weight_.size();
   Eigen::VectorXd D = weight_;
@@ -103,6 +110,8 @@ LinearSystem StoneInView::normal_equations(const DetectionModel& model, const Po
     D(s.patch) += w * slope * slope;
     gradient_(s.patch) -= w * slope * r;
     cross_.row(s.patch) -= (w * slope) * J.transpose();
+    const double of_model = kMeshSigma * kMeshSigma + kAlikePoints * sigma * sigma;
+    weighed_.push_back({w * J, w * slope, of_model, place_of(near.point), s.patch});
     ++out.points;
   }
   out.H = Eigen::MatrixXd(out.H.selfadjointView<Eigen::Lower>());
@@ -115,6 +124,19 @@ LinearSystem StoneInView::normal_equations(const DetectionModel& model, const Po
   out.H -= cross_.transpose() * gain_ * cross_;
   out.g -= cross_.transpose() * (gain_ * gradient_);
   return out;
+}
+
+ModelScores StoneInView::model_scores() const {
+  ModelScores scores;
+  if (weighed_.empty()) return scores;
+  const Eigen::MatrixXd through_error = cross_.transpose() * gain_;  // the smooth error takes part of it up
+  for (const Weighed& one : weighed_) {
+    ModelScore& score = scores[one.place];
+    score.sum += one.weighted_J + one.weighted_slope * through_error.col(one.patch);
+    score.variance += one.model_variance;
+    ++score.points;
+  }
+  return scores;
 }
 
 void StoneInView::update_error(const Eigen::VectorXd& step) {
