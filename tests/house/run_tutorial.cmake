@@ -1,11 +1,11 @@
 # cmake -DTUTORIAL=docs/tutorial.md -DROOT=... -DPROGRAM=.../stonestack -DFOLDER=... -DFILES=tower.yaml,... -P run_tutorial.cmake
 # Runs every sh block of a tutorial as it stands, in a fresh folder, and asks for the FILES that it writes. Only `./dev`
-# is replaced: by a script that calls the program that is already built. What the blocks leave running ends with them.
+# is replaced: by a script that calls the program that is already built; `./dev test` does nothing there. What the blocks leave running ends with them.
 file(REMOVE_RECURSE "${FOLDER}")
 file(MAKE_DIRECTORY "${FOLDER}")
 file(CREATE_LINK "${ROOT}/data" "${FOLDER}/data" SYMBOLIC)
 file(CREATE_LINK "${ROOT}/examples" "${FOLDER}/examples" SYMBOLIC)
-file(WRITE "${FOLDER}/dev" "#!/bin/sh\nexec '${PROGRAM}' \"$@\"\n")
+file(WRITE "${FOLDER}/dev" "#!/bin/sh\ntest \"$1\" != test || exit 0\nexec '${PROGRAM}' \"$@\"\n")
 file(CHMOD "${FOLDER}/dev" PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE)
 
 file(STRINGS "${TUTORIAL}" lines)
