@@ -31,11 +31,25 @@ endif()
 if(SANITIZE)
   set(flags "-DCMAKE_CXX_FLAGS=-fsanitize=${SANITIZE}")
 endif()
+# The example of README is compiled as it stands.
+file(READ "${README}" readme)
+if(NOT readme MATCHES "```cpp\n(.*)```\n\n```cmake")
+  message(FATAL_ERROR "${README} has no C++ example above its CMake example")
+endif()
+file(WRITE "${WORK}/readme.cpp" "${CMAKE_MATCH_1}")
 run(${CMAKE_COMMAND} -S "${CONSUMER}" -B "${WORK}/build" -G Ninja "-DCMAKE_PREFIX_PATH=${WORK}/prefix" -DCMAKE_BUILD_TYPE=Release
+  "-DREADME_EXAMPLE=${WORK}/readme.cpp"
   ${flags})
 run(${CMAKE_COMMAND} --build "${WORK}/build")
 run(${CMAKE_COMMAND} -E env --unset=STONESTACK_DATA "LD_LIBRARY_PATH=${WORK}/prefix/lib/x86_64-linux-gnu:${WORK}/prefix/lib" "${WORK}/build/consumer"
   "${WORK}/prefix/share/stonestack")
+file(MAKE_DIRECTORY "${WORK}/readme")
+file(CREATE_LINK "${WORK}/prefix/share/stonestack/stones" "${WORK}/readme/rocks" SYMBOLIC)
+execute_process(COMMAND ${CMAKE_COMMAND} -E env "LD_LIBRARY_PATH=${WORK}/prefix/lib/x86_64-linux-gnu:${WORK}/prefix/lib" "${WORK}/build/readme"
+  WORKING_DIRECTORY "${WORK}/readme" RESULT_VARIABLE result OUTPUT_VARIABLE text ERROR_VARIABLE text)
+if(NOT result EQUAL 0 OR NOT text STREQUAL "found a pose\n")
+  message(FATAL_ERROR "the example of ${README} found nothing (${result}):\n${text}")
+endif()
 run_installed("${WORK}/prefix")
 file(RENAME "${WORK}/prefix" "${WORK}/moved")
 run_installed("${WORK}/moved")
