@@ -57,7 +57,7 @@ void add_inspect(CLI::App& app) {
   command.loudness.register_on(sub);
   sub.footer(
       "Examples:\n"
-      "  stonestack inspect runs/20250101-101500-1\n"
+      "  stonestack inspect runs/20250101-101500-seed1\n"
       "  stonestack inspect record --json");
 }
 

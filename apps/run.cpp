@@ -166,7 +166,7 @@ void add_run(CLI::App& app) {
       "With --unseen: stones of this catalogue may lie among the others; they are recognised, not modelled",
       "DIR");
   sub.add_option("--out", command.order.out,
-                 "Folder for journal, options, picture and report (default: runs/<time>-<seed>)");
+                 "Folder for journal, options, picture and report (default: runs/<time>-seed<seed>)");
   add_path(sub, "--resume", command.resume,
            "Go on with a run that was killed, interrupted or stopped: asks the gripper first, observes, and "
            "keeps on building; a stone in the gripper goes back to where it was picked",
