@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "stonestack/geometry/mesh.hpp"
+#include "stonestack/physics/stack.hpp"
 #include "stonestack/stone/catalogue.hpp"
 
 namespace stonestack::report {
@@ -42,6 +43,9 @@ void write_png(const std::string& path, const Picture& picture);
 /// Meshes of stones at poses in stone-like colours, one a stone.
 [[nodiscard]] std::vector<DrawnMesh> drawn_stones(const Catalogue& catalogue,
                                                   const std::vector<PlacedStone>& stones);
+/// Contact shapes for a report or a picture. Unlike those of `make_contact_shapes` they are made to the end
+/// after Ctrl-C, too: what was done is then still to be shown.
+[[nodiscard]] ShapeList shapes_for_output(const std::vector<Stone>& stones);
 /// A view of everything at the site: from the front, high enough to see the table.
 [[nodiscard]] View view_of_site(const Eigen::Vector2d& site, double top_height);
 

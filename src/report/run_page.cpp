@@ -12,6 +12,7 @@
 #include "motion/grasp/finger_reach.hpp"
 #include "report/base64.hpp"
 #include "report/modelling_results.hpp"
+#include "report/picture.hpp"
 #include "report/text.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/experiment/simulated_run.hpp"
@@ -385,7 +386,7 @@ void add_events(json& page, const RunReport& report, const Catalogue& catalogue,
       json tower =
           whole == resting.end()
               ? json{{"contacts", json::array()}, {"centres", json::array()}, {"thrust", json::array()}}
-              : tower_entry(make_contact_shapes(catalogue.stones), *whole);
+              : tower_entry(shapes_for_output(catalogue.stones), *whole);
       tower["t"] = time;
       towers.push_back(tower);
       why.clear();

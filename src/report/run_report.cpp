@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string_view>
 
+#include "physics/shape.hpp"
 #include "report/base64.hpp"
 #include "report/cell_page.hpp"
 #include "report/modelling_results.hpp"
@@ -244,6 +245,14 @@ std::vector<DrawnMesh> drawn_stones(const Catalogue& catalogue, const std::vecto
     drawn.push_back({catalogue[placed.stone].scan, placed.T_W_O,
                      kColours[static_cast<std::size_t>(placed.stone.value()) % kColours.size()], true, true});
   return drawn;
+}
+
+ShapeList shapes_for_output(const std::vector<Stone>& stones) {
+  ShapeList shapes;
+  for (const Stone& stone : stones)
+    shapes.push_back(
+        physics::make_contact_shape(stone.scan, stone.mass, stone.name, physics::ShapeOptions{}));
+  return shapes;
 }
 
 View view_of_site(const Eigen::Vector2d& site, double top_height) {

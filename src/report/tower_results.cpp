@@ -36,7 +36,7 @@ void draw_contacts(const Catalogue& catalogue, const std::vector<PlacedStone>& s
     stack.stones.push_back({StoneIndex(static_cast<int>(used.size())), placed.T_W_O});
     used.push_back(catalogue[placed.stone]);
   }
-  for (const Contact& contact : geometric_contacts(make_contact_shapes(used), stack, kDrawnContact))
+  for (const Contact& contact : geometric_contacts(shapes_for_output(used), stack, kDrawnContact))
     if (contact.below != kTable)
       meshes.push_back(
           {make_sphere(0.004, 1), Pose(Eigen::Translation3d(contact.p_W)), {0.85, 0.15, 0.10}, false});

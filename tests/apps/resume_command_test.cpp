@@ -63,10 +63,14 @@ TEST_F(ResumeCommand, ARunThatIsKilledAgainAndAgainEndsWithItsTower) {
 }
 
 TEST_F(ResumeCommand, AnInterruptedRunSaysHowItGoesOn) {
-  const Outcome broken_off = shell(interrupted_at(folder_, kTwoStones, "level 1: "));
+  const Outcome broken_off = shell(interrupted_at(folder_, kTwoStones, "level 2: "));
   EXPECT_THAT(broken_off.out, HasSubstr("code 130"));
   const std::string last = broken_off.err.substr(broken_off.err.rfind('\n', broken_off.err.size() - 2) + 1);
   EXPECT_THAT(last, HasSubstr("go on with it: stonestack run --resume run\n"));
+  EXPECT_THAT(last, HasSubstr("interrupted by the user"));
+  EXPECT_THAT(broken_off.out, HasSubstr("report:  run/report.html"));
+  EXPECT_TRUE(fs::exists(folder_ + "/run/report.html")) << "a stone stands, whose contacts the report shows";
+  EXPECT_TRUE(fs::exists(folder_ + "/run/tower.png"));
   const Outcome done = run("run --resume run");
   ASSERT_EQ(done.code, 0) << done.err;
   expect_whole(folder_);

@@ -105,11 +105,13 @@ TEST_F(SearchCommand, WarnsThatABudgetMayEndItElsewhereNextTime) {
 
 TEST_F(SearchCommand, CtrlCEndsItWithTheBestSoFar) {
   const Outcome outcome = shell(interrupted_at(
-      folder_, "search --stones limestone_1,limestone_2,limestone_3,limestone_4 --json", "round 1"));
+      folder_, "search --stones limestone_1,limestone_2,limestone_3,limestone_4 --json --picture tower.png",
+      "round 1"));
   EXPECT_THAT(outcome.out, HasSubstr("code 130")) << outcome.err;
   const json found = json::parse(outcome.out.substr(0, outcome.out.rfind("code")), nullptr, false);
   EXPECT_EQ(found["placements"].size(), 1u) << outcome.err;
   EXPECT_FALSE(found["repeatable"].get<bool>());
+  EXPECT_TRUE(fs::exists(folder_ + "/tower.png"));
 }
 
 }  // namespace

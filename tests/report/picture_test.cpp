@@ -14,6 +14,7 @@
 #include "stonestack/stacking/observe.hpp"
 #include "stonestack/stone/catalogue.hpp"
 
+#include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "temporary_folder.hpp"
@@ -158,6 +159,9 @@ TEST(Picture, ATowerShowsWhereItsStonesTouch) {
   };
   EXPECT_GT(red_pixels(0.0), 50) << "the corners of the upper box";
   EXPECT_EQ(red_pixels(0.01), 0) << "nothing touches";
+  const auto clock = make_steady_clock();
+  const TimeLimit over(1e-9, *clock);
+  EXPECT_GT(red_pixels(0.0), 50) << "of a search that was interrupted, too";
 }
 
 }  // namespace

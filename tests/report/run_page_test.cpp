@@ -6,6 +6,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "stonestack/core/clock.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/experiment/simulated_run.hpp"
 #include "stonestack/report/record_run.hpp"
@@ -75,6 +76,19 @@ TEST(RunPage, FollowsTheStoneFromGraspToRelease) {
   EXPECT_DOUBLE_EQ(page["carries"][0]["begin"], 1.0);
   EXPECT_DOUBLE_EQ(page["carries"][0]["end"], 3.0);
   EXPECT_EQ(page["views"].size(), 1u);
+}
+
+TEST(RunPage, ShowsTheContactsOfARunThatWasInterrupted) {
+  RunReport report = report_of_a_grasp(2_stone);
+  Stack on_table;
+  on_table.stones.push_back(
+      {2_stone, Pose(Eigen::Translation3d(0.7, 0.28, -bounds(stones()[2_stone].scan).min().z()))});
+  std::get<Observed>(report.result.events.front()).world.resting = {{0.3, on_table, ""}};
+  const auto clock = make_steady_clock();
+  const TimeLimit over(1e-9, *clock);
+  const json page = json::parse(page_data(report, stones(), robot(), ""));
+  ASSERT_EQ(page["towers"].size(), 1u);
+  EXPECT_FALSE(page["towers"][0]["contacts"].empty());
 }
 
 /// Appends lists and replaces values, as the page does.
