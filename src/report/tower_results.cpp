@@ -59,7 +59,7 @@ std::string tower_json(const TowerCheck& check, const Catalogue& catalogue) {
                         {"in_equilibrium", e.stands},
                         {"margin_g", e.margin},
                         {"margin_direction", {e.direction.x(), e.direction.y()}},
-                        {"least_friction", nullptr},
+                        {"min_friction", nullptr},
                         {"weakest_contact", nullptr},
                         {"coupled", nullptr}};
   const BlockBalance& b = check.balance;
@@ -68,7 +68,7 @@ std::string tower_json(const TowerCheck& check, const Catalogue& catalogue) {
                     {"margin_direction", {b.direction.x(), b.direction.y()}},
                     {"min_friction", nullptr}};
   if (std::isfinite(b.min_friction)) out["coupled"]["min_friction"] = b.min_friction;
-  if (std::isfinite(e.min_friction)) out["least_friction"] = e.min_friction;
+  if (std::isfinite(e.min_friction)) out["min_friction"] = e.min_friction;
   if (const Contact* c = weakest_contact(check))
     out["weakest_contact"] = {{"above", level_name(check, catalogue, c->above)},
                               {"below", level_name(check, catalogue, c->below)},
@@ -80,11 +80,12 @@ std::string tower_json(const TowerCheck& check, const Catalogue& catalogue) {
 std::string tower_text(const TowerCheck& check, const Catalogue& catalogue) {
   const StandVerdict& verdict = check.verdict;
   const Equilibrium& e = check.equilibrium;
-  std::string text = format("simulation   %s, %s; moved %.3f mm and turned %.3f deg in %g s at friction %g\n",
-                            verdict.stands ? "stands" : "falls",
-                            check.wall      ? "a wall"
-                            : verdict.clean ? "clean"
-                                            : "not clean",
+  std::string text = format("simulation   %s%s; moved %.3f mm and turned %.3f deg in %g s at friction %g\n",
+                            verdict.stands ? "stands" : "does not stand",
+                            check.wall        ? ", a wall"
+                            : !verdict.stands ? ""
+                            : verdict.clean   ? ", clean"
+                                              : ", not clean",
                             1e3 * verdict.shift, verdict.turn * 180 / M_PI, check.seconds, check.friction);
   if (!verdict.reason.empty() && !(check.wall && verdict.stands))
     text += "             " + verdict.reason + "\n";
@@ -93,8 +94,9 @@ std::string tower_text(const TowerCheck& check, const Catalogue& catalogue) {
                          "is 0, y is 90)\n",
                          e.margin, degrees(e.direction))
                    : "equilibrium  no contact forces hold it\n";
-  text += std::isfinite(e.min_friction) ? format("friction     holds down to %.3f\n", e.min_friction)
-                                        : "friction     none up to 2 holds it\n";
+  text += std::isfinite(e.min_friction)
+              ? format("friction     contact forces balance down to %.3f (forces alone)\n", e.min_friction)
+              : "friction     none up to 2 holds it\n";
   const BlockBalance& b = check.balance;
   text +=
       b.stands

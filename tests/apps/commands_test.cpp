@@ -411,7 +411,7 @@ TEST_F(Commands, CheckReportsHowFirmlyAPlannedStoneRests) {
   EXPECT_LT(data["shift_m"].get<double>(), 0.001);
   EXPECT_GT(data["margin_g"].get<double>(), 0.05);
   EXPECT_LE(data["margin_g"].get<double>(), 0.3);  // no more than the friction
-  EXPECT_LT(data["least_friction"].get<double>(), 0.01);
+  EXPECT_LT(data["min_friction"].get<double>(), 0.01);
   EXPECT_EQ(data["weakest_contact"]["below"], "the table");
   EXPECT_TRUE(fs::exists(folder_ + "/tower.png"));
 }

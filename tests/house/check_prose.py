@@ -30,7 +30,7 @@ WORDS = {
 }
 # standard terms, keys of files and schemas that keep their name, and names of random streams
 ALLOWED = re.compile(r"[Hh]and[-_ /]?[Ee]ye|[Ee]ye[-_ ]in[-_ ][Hh]and|kOnHand|OnHand|on_hand|[Bb]y[ _]?[Hh]and|HandBy|right[- _][Hh]and|other hand|first hand"
-                     r"|Random::stream\(.*|\"(?:hand|doubt|least_friction)\"|\b[ab]: '?hands?|'hands'|arm, `?hand`?, `?held|`?hand `?(?:none|robotiq_3f|claw)"
+                     r"|Random::stream\(.*|\"(?:hand|doubt)\"|\b[ab]: '?hands?|'hands'|arm, `?hand`?, `?held|`?hand `?(?:none|robotiq_3f|claw)"
                      r"|hand '|[Rr]obotiq[-_][Hh]and[-_][Ee]|Hand-E|gripper\.hand|\bhand: ?(?:NAME|FILE|robotiq|\\?\"|`)|`hand`|hand: FILE|^hand none|\"believed pose\"|\"steadied\"|\"paths of ten way points\"")
 TEST_NAME = re.compile(r"^TEST(?:_[FP])?\(\w+,\s*((?:What|Who|Whom|Whose|Those|That|Nobody)[A-Z]\w*)")
 REFERENCE = re.compile(r"((?<![/\w])(?:docs|facts|cmake|tests|src|include|apps|benchmarks|examples)/[\w./-]*\.(?:md|cpp|hpp|cmake|txt|yaml|png|py))\b")

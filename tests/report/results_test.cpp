@@ -195,10 +195,24 @@ TEST(TowerResults, NameTheContactThatGivesWayFirst) {
   const json out = json::parse(tower_json(check, named({"a", "b"})));
   EXPECT_EQ(out.at("weakest_contact").at("above"), "a");
   EXPECT_EQ(out.at("weakest_contact").at("below"), "b");
-  EXPECT_TRUE(out.at("least_friction").is_null());  // JSON knows no infinity
+  EXPECT_TRUE(out.at("min_friction").is_null());  // JSON knows no infinity
   EXPECT_THAT(tower_text(check, named({"a", "b"})), HasSubstr("weakest      a on b at"));
   check.statics.contacts[1].below = kTable;
   EXPECT_THAT(tower_text(check, named({"a", "b"})), HasSubstr("weakest      a on the table at"));
+}
+
+TEST(TowerResults, OfATowerThatDoesNotStandSayNothingOfItsContactsOrOfFrictionThatHolds) {
+  TowerCheck check;
+  check.stack.stones = {{0_stone, at(0, 0, 0)}};
+  check.verdict.stands = false;
+  check.verdict.clean = true;
+  check.equilibrium.stands = true;
+  check.equilibrium.min_friction = 0.0;
+  const std::string text = tower_text(check, named({"a"}));
+  EXPECT_THAT(text, HasSubstr("simulation   does not stand; moved"));
+  EXPECT_THAT(text, HasSubstr("friction     contact forces balance down to 0.000 (forces alone)"));
+  check.verdict.stands = true;
+  EXPECT_THAT(tower_text(check, named({"a"})), HasSubstr("simulation   stands, clean; moved"));
 }
 
 TEST(StoneResults, ASummaryKeepsMeasuresWithoutMeshes) {
