@@ -86,7 +86,7 @@ void add_check(CLI::App& app) {
       ->capture_default_str();
   sub.add_option("--picture", command.picture,
                  "Draw the stack, or the assembly with contacts and forces (PNG, or HTML in 3-D)");
-  command.common.register_on(sub);
+  command.common.register_on(sub, false);
   sub.footer(
       "Examples:\n"
       "  stonestack search --stones limestone_1,limestone_2 --levels 2 --out tower.yaml\n"

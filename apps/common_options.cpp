@@ -52,18 +52,23 @@ void Loudness::apply() const {
   if (verbose) set_log_level(LogLevel::kDebug);
 }
 
-void CommonOptions::register_draw(CLI::App& command) {
+void CommonOptions::register_stones(CLI::App& command) {
   add_path(command, "--catalogue", catalogue, "Folder of stones (default: the six that come with stonestack)",
            "DIR");
   settings.bind(command.add_option("--seed", seed, "Same seed, same result")
                     ->capture_default_str()
                     ->check(CLI::Range(0, 2147483647)),
                 "*.seed");
+}
+
+void CommonOptions::register_draw(CLI::App& command) {
+  register_stones(command);
   settings.register_on(command);
 }
 
-void CommonOptions::register_on(CLI::App& command) {
-  register_draw(command);
+void CommonOptions::register_on(CLI::App& command, bool has_options) {
+  register_stones(command);
+  if (has_options) settings.register_on(command);
   command.add_flag("--json", json, "Result as JSON on stdout");
   loudness.register_on(command);
 }

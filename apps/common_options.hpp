@@ -30,8 +30,9 @@ struct CommonOptions {
   Loudness loudness;
   Settings settings;
 
-  /// Adds --catalogue, --seed, --json, --quiet, --verbose, --set, --config.
-  void register_on(CLI::App& command);
+  /// Adds --catalogue, --seed, --json, --quiet, --verbose, and if the command has options by name --set and
+  /// --config.
+  void register_on(CLI::App& command, bool has_options = true);
   /// Registers catalogue, seed and settings alone, for a benchmark: no --json, no --quiet, no --verbose.
   void register_draw(CLI::App& command);
   /// Stream of a result for a person: stdout, or stderr where stdout holds JSON.
@@ -39,6 +40,9 @@ struct CommonOptions {
   /// Applies --quiet and --verbose; call first in a callback.
   void begin() const;
   [[nodiscard]] Catalogue read() const;
+
+ private:
+  void register_stones(CLI::App& command);
 };
 
 /// --density or --mass, and --friction.

@@ -4,7 +4,9 @@ namespace stonestack::apps {
 
 void Settings::register_on(CLI::App& command) {
   command
-      .add_option("--set", sources_.assignments, "Set an option, e.g. --set search.friction=0.3 (repeatable)")
+      .add_option("--set", sources_.assignments,
+                  "Set an option of this command by its name, e.g. --set GROUP.NAME=VALUE (repeatable); see "
+                  "config show")
       ->type_name("NAME=VALUE")
       ->allow_extra_args(false);
   command.add_option("--config", sources_.config, "Option file in place of ./stonestack.yaml")

@@ -5,13 +5,14 @@
 #include <cmath>
 #include <filesystem>
 #include <iterator>
-#include <map>
 
 #include "core/yaml.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::core {
 namespace {
+
+constexpr std::size_t kMaxSuggested = 3;  // names
 
 std::string number_text(double value) {
   char buffer[32];
@@ -24,24 +25,23 @@ std::string range_text(const Field& f) {
                 f.unit.empty() ? "" : " " + f.unit);
 }
 
-/// How far a name as typed is from that of a field; the group in front may be left out.
-std::size_t name_distance(std::string_view typed, std::string_view name) {
-  const std::size_t whole = edit_distance(typed, name);
-  if (typed.find('.') != std::string_view::npos) return whole;
-  return std::min(whole, edit_distance(typed, name.substr(name.rfind('.') + 1)));
-}
-
-/// The three nearest, "a, b or c".
-std::string nearest_names(const FieldList& list, std::string_view name) {
-  std::multimap<std::size_t, std::string> ranked;
-  for (const auto& f : list) ranked.emplace(name_distance(name, f.name), f.name);
-  std::vector<std::string> nearest;
-  for (auto it = ranked.begin(); it != ranked.end() && nearest.size() < 3; ++it)
-    if (std::find(nearest.begin(), nearest.end(), it->second) == nearest.end()) nearest.push_back(it->second);
+/// "; did you mean a, b or c?", or nothing. The group in front may have been left out.
+std::string suggestion(const FieldList& list, std::string_view name) {
+  std::vector<std::string> names, last_words;
+  for (const Field& f : list) {
+    names.push_back(f.name);
+    last_words.push_back(f.name.substr(f.name.rfind('.') + 1));
+  }
+  std::vector<std::string> meant = likely_meant(names, name);
+  if (meant.empty() && name.find('.') == std::string_view::npos)
+    for (const std::string& word : likely_meant(last_words, name))
+      for (std::size_t i = 0; i < names.size() && meant.size() < kMaxSuggested; ++i)
+        if (last_words[i] == word && std::find(meant.begin(), meant.end(), names[i]) == meant.end())
+          meant.push_back(names[i]);
   std::string text;
-  for (std::size_t i = 0; i < nearest.size(); ++i)
-    text += concat(i == 0 ? "" : i + 1 < nearest.size() ? ", " : " or ", nearest[i]);
-  return text;
+  for (std::size_t i = 0; i < meant.size(); ++i)
+    text += concat(i == 0 ? "; did you mean " : i + 1 < meant.size() ? ", " : " or ", meant[i]);
+  return meant.empty() ? text : text + "?";
 }
 
 /// Parses and range-checks; the message has no file name, the caller adds it.
@@ -70,7 +70,7 @@ void assign(const Field& f, const std::string& text) {
 const Field& find(const FieldList& list, std::string_view name) {
   const auto it = std::find_if(list.begin(), list.end(), [&](const Field& f) { return f.name == name; });
   require(!list.empty(), "unknown option '", name, "'; this command has none to set");
-  require(it != list.end(), "unknown option '", name, "'; did you mean ", nearest_names(list, name), "?");
+  require(it != list.end(), "unknown option '", name, "'", suggestion(list, name));
   return *it;
 }
 

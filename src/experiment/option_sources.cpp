@@ -125,6 +125,16 @@ bool is_meant(const FlagValue& flag, const std::string& option) {
   return option == flag.option;
 }
 
+/// Refuses an option of another command; its name is spelled well.
+void check_command_has(const FieldList& list, const std::string& name) {
+  const auto knows = [&](const FieldList& some) {
+    return std::any_of(some.begin(), some.end(), [&](const Field& f) { return f.name == name; });
+  };
+  EveryOption every;
+  require(knows(list) || !knows(fields(every)), "this command has no option ", name,
+          "; `stonestack config show --expert` lists those of all commands");
+}
+
 /// Applies the sources once, the strongest last.
 void apply_all(const FieldList& list, const OptionSources& sources, OptionOrigins& origins) {
   const std::string user = user_file(), project = "stonestack.yaml";
@@ -142,8 +152,10 @@ void apply_all(const FieldList& list, const OptionSources& sources, OptionOrigin
       origins[field.name] = "flag " + flag.flag;
     }
   for (const auto& assignment : sources.assignments) {
+    const std::string name = assignment.substr(0, assignment.find('='));
+    check_command_has(list, name);
     set_field(list, assignment);
-    origins[assignment.substr(0, assignment.find('='))] = "flag --set";
+    origins[name] = "flag --set";
   }
 }
 

@@ -83,6 +83,8 @@ TEST_F(EveryCommand, RefusesBadUsageWithExitCode2) {
       {"config", "A subcommand is required"},
       {"search --levels 0", "--levels"},
       {"search --set search.frictoin=0.3", "did you mean search.friction"},
+      {"detect x.png --set search.friction=0.3", "this command has no option search.friction"},
+      {"check x.yaml --set search.friction=0.3", "stonestack check has no option '--set'"},
       {"config show --set search.friction=9", "search.friction must be in"},
   };
   for (const auto& [arguments, part] : wrong) expect_refusal(arguments, 2, {part});
