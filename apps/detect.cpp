@@ -123,7 +123,8 @@ void add_detect(CLI::App& app) {
       "  stonestack detect cloud.pcd --catalogue rocks --json\n"
       "  stonestack detect depth.png --camera 475,475,319.5,239.5 --depth-unit 0.000125\n"
       "  stonestack detect left/scene.yaml right/scene.yaml --trace trace\n"
-      "  stonestack detect depth.png --camera 475,475,319.5,239.5 --explain limestone_2\n"
+      "  stonestack detect depth.png --camera 475,475,319.5,239.5 --depth-unit 0.000125 --explain "
+      "limestone_2\n"
       "  stonestack detect cloud.ply --method paper --set detection.keypoints=iss --set "
       "detection.descriptor=iss");
 }
