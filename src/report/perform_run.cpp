@@ -22,6 +22,7 @@
 #include "stonestack/core/log.hpp"
 #include "stonestack/report/record_run.hpp"
 #include "stonestack/report/results.hpp"
+#include "stonestack/search/plan_wall.hpp"
 #include "stonestack/stacking/build_tower.hpp"
 #include "stonestack/stacking/observe.hpp"
 
@@ -38,6 +39,7 @@ RunReport open_report(const SimulatedRun& run, const Catalogue& catalogue, const
   report.robot = robot.name;
   report.catalogue = catalogue.path;
   report.seed = run.seed;
+  if (!run.build.wall.empty()) report.structure = read_wall_target(run.build.wall).task ? "bridge" : "wall";
   SimulatedRun copy = run;
   report.options_text = write_fields(fields(copy));
   for (const StoneIndex stone : present) report.present.push_back(catalogue[stone].name);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <numeric>
 
 #include "hardware/cell_config.hpp"
 #include "report/known_cells.hpp"
@@ -14,6 +15,7 @@
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/motion/planning_scene.hpp"
+#include "stonestack/search/plan_wall.hpp"
 #include "stonestack/stacking/observe.hpp"
 
 namespace stonestack::report {
@@ -110,10 +112,23 @@ void check_unseen(const RunOrder& order) {
   require_writable(order.save_catalogue + "/stone.yaml");
 }
 
+/// Refuses, before the simulated cell is filled, a wall of more stones than will lie in its field.
+void check_wall(const RunOrder& order, const Catalogue& catalogue) {
+  if (order.run.build.wall.empty() || is_real(order) || !order.resume.empty()) return;
+  const std::vector<int> courses = read_wall_target(order.run.build.wall).courses;
+  const int asked = std::accumulate(courses.begin(), courses.end(), 0);
+  const auto all = static_cast<int>(catalogue.stones.size());
+  const int present = std::min(order.per_run, all);
+  require(asked <= present, "--wall ", order.run.build.wall, " asks for ", asked, " stones, ", present,
+          " lie in the field; give --per-run ", asked,
+          asked <= all ? "" : concat(" and a catalogue of more than ", all, ", as `scan --generate` makes"));
+}
+
 }  // namespace
 
 RecordedRun record_run(const RunOrder& order, const Catalogue& catalogue) {
   check_unseen(order);
+  check_wall(order, catalogue);
   stacking::check_options(order.run.build);
   const RecordFolder folder =
       order.resume.empty() ? take_run_folder(order.out, order.run.seed) : take_resumed_folder(order.resume);

@@ -482,7 +482,7 @@ std::string cost_figure(const RunReport& report) {
 /// Values that a run changes as it goes on.
 json values_of(const RunReport& report, const RobotModel& robot, const Times& times) {
   const RunResult& result = report.result;
-  return {{"title", run_title(result)},
+  return {{"title", run_title(report)},
           {"height", result.height},
           {"paper_height", paper_height(report)},
           {"ended", to_text(result.end)},

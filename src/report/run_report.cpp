@@ -96,7 +96,7 @@ std::string within_script(const std::string& text) {
 }
 
 std::string summary(const RunReport& report) {
-  std::string text = format("%s of %d of %d stones; ended: ", structure_name(report.result.wall),
+  std::string text = format("%s of %d of %d stones; ended: ", structure_name(report).c_str(),
                             report.result.height, static_cast<int>(report.present.size())) +
                      report.result.ended + "\n";
   if (report.result.wall) text += wall_figures_text(*report.result.wall) + "\n";
@@ -229,7 +229,7 @@ std::string cell_page(const std::string& title, const std::string& text, const s
 }
 
 std::string run_html(const RunReport& report, const Catalogue& catalogue, const RobotModel& robot) {
-  return page_html(run_title(report.result), run_table(report),
+  return page_html(run_title(report), run_table(report),
                    page_data(report, catalogue, robot, picture_uri(report)));
 }
 

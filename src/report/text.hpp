@@ -39,8 +39,10 @@ template <class... Values>
 
 /// Kind of structure: "tower", "wall" or "bridge".
 [[nodiscard]] const char* structure_name(const std::optional<WallMetrics>& wall);
+/// Kind of structure that was built, or before the first stone stands was ordered.
+[[nodiscard]] std::string structure_name(const RunReport& report);
 /// "Wall of 3".
-[[nodiscard]] std::string run_title(const RunResult& result);
+[[nodiscard]] std::string run_title(const RunReport& report);
 /// Figures of a wall as JSON.
 [[nodiscard]] nlohmann::json wall_figures(const WallMetrics& metrics);
 /// Text of the figures in lines; the last has no line end.

@@ -1,5 +1,7 @@
 #include "report/text.hpp"
 
+#include "stonestack/core/error.hpp"
+
 namespace stonestack::report {
 
 const char* structure_name(const std::optional<WallMetrics>& wall) {
@@ -7,8 +9,12 @@ const char* structure_name(const std::optional<WallMetrics>& wall) {
   return wall->to_span > 0.0 ? "bridge" : "wall";
 }
 
-std::string run_title(const RunResult& result) {
-  std::string title = concat(structure_name(result.wall), " of ", result.height);
+std::string structure_name(const RunReport& report) {
+  return report.result.wall ? structure_name(report.result.wall) : report.structure;
+}
+
+std::string run_title(const RunReport& report) {
+  std::string title = concat(structure_name(report), " of ", report.result.height);
   title.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(title.front())));
   return title;
 }

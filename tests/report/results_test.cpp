@@ -232,6 +232,16 @@ TEST(StoneResults, ASummaryKeepsMeasuresWithoutMeshes) {
   EXPECT_EQ(out.at("failed").at(0).at("error"), "holes");
 }
 
+TEST(RunResults, ADryRunIsNamedAfterWhatWasOrdered) {
+  RunReport report;
+  report.result.end = RunResult::End::kPlanned;
+  EXPECT_THAT(run_table(report), HasSubstr("tower of 0 of 0 stones"));
+  report.structure = "wall";
+  EXPECT_THAT(run_table(report), HasSubstr("wall of 0 of 0 stones"));
+  report.result.wall.emplace().to_span = 0.1;
+  EXPECT_THAT(run_table(report), HasSubstr("bridge of 0 of 0 stones"));
+}
+
 TEST(RunResults, ExitCodesFollowTheEnd) {
   RunResult result;
   result.end = RunResult::End::kHeightReached;

@@ -109,6 +109,7 @@ struct RunReport {
   std::string version;                    ///< of the program that made it; empty: unknown
   std::string robot;                      ///< name of the robot
   std::string catalogue;                  ///< path of the catalogue
+  std::string structure = "tower";        ///< structure that was ordered: tower, wall or bridge
   int seed = 0;                           ///< seed of the run
   std::string cell;                       ///< named set of the simulated cell's errors; empty: a real cell
   std::vector<std::string> cell_changes;  ///< "NAME=VALUE" of what is not as that set has it
