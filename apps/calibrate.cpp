@@ -122,7 +122,7 @@ HandEyeFile captured_stations(const CalibrateCommand& command) {
 HandEyeFile stations(const CalibrateCommand& command, const std::optional<Pose>& true_T_A_C) {
   if (!command.capture.empty()) return captured_stations(command);
   require(command.pairs_file.empty() == true_T_A_C.has_value(),
-          "give either a file of pairs, --capture CELL or --simulate COUNT");
+          "give a file of stations, --capture CELL, --table CELL or --simulate N");
   if (!true_T_A_C) return read_hand_eye_pairs(command.pairs_file);
   const CameraMount mount = command.on_base ? CameraMount::kOnBase : CameraMount::kOnHand;
   return {mount,
@@ -148,9 +148,10 @@ void calibrate_table(CalibrateCommand& command) {
 }
 
 void calibrate(CalibrateCommand& command) {
-  require(command.table.empty() || command.pairs_file.empty(), "give either a file of pairs or --table CELL");
+  require(command.table.empty() || command.pairs_file.empty(),
+          "give either a file of stations or --table CELL");
   require(command.capture.empty() || command.pairs_file.empty(),
-          "give either a file of pairs or --capture CELL");
+          "give either a file of stations or --capture CELL");
   require(!command.execute || !command.table.empty() || !command.capture.empty(),
           "--execute goes with --table CELL or --capture CELL");
   require(command.block.empty() || command.stations.target.empty(), "give either --block or --target");
@@ -178,7 +179,7 @@ void add_calibrate(CLI::App& app) {
   const auto [sub, command] = add_subcommand<CalibrateCommand>(
       app, "calibrate", "Where the camera sits on the arm, and whether the table is where it sees it",
       calibrate);
-  sub.add_option("PAIRS", command.pairs_file, "YAML of stations: T_R_F from the arm, T_C_B of the target");
+  sub.add_option("STATIONS", command.pairs_file, "YAML of stations: T_R_F from the arm, T_C_B of the target");
   CLI::Option* simulate =
       sub.add_option("--simulate", command.simulate, "Simulate that many stations in place of a file")
           ->check(CLI::Range(3, 1000));
@@ -232,7 +233,7 @@ void add_calibrate(CLI::App& app) {
       "and\n"
       "the open fingers go down at 5 mm/s until the wrist feels the table. Exit code 6 and nothing written\n"
       "where touch and camera disagree by more than 5 mm or 0.75 deg.\n"
-      "PAIRS: {schema: stonestack.hand_eye/1, camera: on_hand, pairs: [{T_R_F: {x, y, z, qx, qy, qz, qw}, "
+      "STATIONS: {schema: stonestack.hand_eye/1, camera: on_hand, pairs: [{T_R_F: {x, y, z, qx, qy, qz, qw}, "
       "T_C_B: ...}]}");
 }
 

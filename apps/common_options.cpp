@@ -119,7 +119,7 @@ void PerRun::register_on(CLI::App& command) {
 void PerRun::check(const Catalogue& catalogue) const {
   const auto all = static_cast<int>(catalogue.stones.size());
   require(count <= all || asked->count() == 0, "--per-run ", count, ": ", catalogue.path, " has ", all,
-          " stones");
+          " stones; give --per-run ", all, " at most, or make more with `stonestack scan --generate`");
 }
 
 }  // namespace stonestack::apps

@@ -226,8 +226,9 @@ DepthSequence read_depth_sequence(const std::string& folder, const DepthSequence
     require(input.unit >= kFinest && input.unit <= kCoarsest, "a depth unit is ", kFinest, " to ", kCoarsest,
             " m a count, got ", input.unit);
   if (!is_depth_sequence(folder))
-    throw FileError(folder, "is no folder of depth images that we know",
-                    "BOP has scene_camera.json, Open3D camera_intrinsic.json, TUM depth.txt");
+    throw FileError(
+        folder, "is no folder of depth images in a known layout",
+        "it must contain scene_camera.json (BOP), camera_intrinsic.json (Open3D) or depth.txt (TUM)");
   DepthSequence out = fs::exists(folder + "/scene_camera.json")       ? read_bop(folder, input)
                       : fs::exists(folder + "/camera_intrinsic.json") ? read_open3d(folder, input)
                                                                       : read_tum(folder, input);

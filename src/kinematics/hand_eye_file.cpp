@@ -153,7 +153,8 @@ HandEyeFile read_hand_eye_pairs(const std::string& path) {
   yaml::Map map(yaml::read_file(path), path);
   const std::string schema = map.text("schema");
   if (schema != kSchema)
-    map.fail("schema", concat("is '", schema, "'"), concat("this version reads ", kSchema));
+    throw FileError(path, concat("is a ", schema, " file by its schema"),
+                    concat("give a ", kSchema, " file, as `calibrate --write-pairs` writes"));
   HandEyeFile file;
   file.path = path;
   const std::string camera = map.text("camera");

@@ -29,7 +29,7 @@ fs::path urdf_path(const std::string& name_or_path) {
     for (const auto& name : robot_names()) known += (known.empty() ? "" : ", ") + name;
     throw FileError("robot '" + name_or_path + "'", "is not known",
                     known.empty() ? "set STONESTACK_DATA to the folder that holds robots/"
-                                  : "use " + known + " or the path of a URDF");
+                                  : "use " + known + " or the path of a URDF or YAML");
   }
 }
 

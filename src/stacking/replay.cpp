@@ -1,5 +1,6 @@
 #include "stacking/replay.hpp"
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -57,6 +58,11 @@ Catalogue known_at_start(const Catalogue& all, const json& start) {
 Start read_start(const ReplayTask& task) {
   const std::string folder = task.run + kInputsFolder, path = folder + "/start.json",
                     state = folder + "/state.json";
+  if (!std::filesystem::is_directory(task.run))
+    throw FileError(task.run, "is no folder", "give that of a run");
+  if (!std::filesystem::exists(folder))
+    throw FileError(folder, "is not there: the run did not keep its inputs",
+                    "record one with `run --set run.save_states=true`");
   try {
     const json j = json::parse(read_file(path, kMaxStart));
     require(j.at("schema").get<std::string>() == kStartSchema, "its schema is not ", kStartSchema);

@@ -100,7 +100,8 @@ SceneFile read_scene_file(const std::string& path) {
   yaml::Map map(yaml::read_file(path), path);
   const std::string schema = map.text("schema");
   if (schema != kSchema)
-    map.fail("schema", concat("is '", schema, "'"), concat("this version reads ", kSchema));
+    throw FileError(path, concat("is a ", schema, " file by its schema"),
+                    concat("give a ", kSchema, " file, as `search --out` writes"));
   SceneFile scene;
   if (map.has("camera")) scene.camera = read_camera(map.map("camera"));
   if (map.has("T_W_C")) scene.T_W_C = read_pose(map.map("T_W_C"));

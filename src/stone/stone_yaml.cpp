@@ -152,7 +152,8 @@ StoneFile read_stone_yaml(const std::string& path) {
   yaml::Map map(yaml::read_file(path), path);
   const std::string schema = map.text("schema");
   if (schema != kStoneSchema)
-    map.fail("schema", concat("is '", schema, "'"), concat("this version reads ", kStoneSchema));
+    throw FileError(path, concat("is a ", schema, " file by its schema"),
+                    concat("give a ", kStoneSchema, " file, as `scan` writes into a catalogue"));
   StoneFile file;
   Stone& stone = file.stone;
   stone.name = map.text("name");

@@ -60,7 +60,8 @@ TEST(SceneFile, ReadsObstacles) {
 
 TEST(SceneFile, RefusesWithFileKeyAndRemedy) {
   const std::string head = "schema: stonestack.scene/1\n";
-  EXPECT_THAT(problem_of("schema: other/1\n"), HasSubstr("schema is 'other/1'"));
+  EXPECT_THAT(problem_of("schema: other/1\n"), testing::AllOf(HasSubstr("is a other/1 file by its schema"),
+                                                              HasSubstr("give a stonestack.scene/1 file")));
   EXPECT_THAT(problem_of(head + "stonez: []\n"), HasSubstr("stonez is not a key"));
   EXPECT_THAT(problem_of(head + "stones: 3\n"), HasSubstr("stones is not a list"));
   EXPECT_THAT(

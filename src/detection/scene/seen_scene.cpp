@@ -10,6 +10,7 @@ namespace {
 
 constexpr int kSceneFewestPixels = 200;  // of depth in the whole image: less is no scene
 constexpr float kSurelyNotMetres = 50.0F;
+constexpr float kSurelyNotSoNear = 0.02F;  // m; no depth camera sees that
 
 /// Why an image cannot be a scene; empty if it can.
 std::string unusable(const DepthImage& image) {
@@ -112,7 +113,8 @@ std::string out_of_range(const DepthImage& image, const DetectionOptions& option
              options.farthest, " m; of ", seen.size(), " the middle one is ", *middle, " m");
   return *middle > kSurelyNotMetres
              ? range + ": are these millimetres? (--units of a cloud, --depth-unit of pictures)"
-             : range;
+         : *middle < kSurelyNotSoNear ? range + "; is --units right? (--depth-unit of pictures)"
+                                      : range;
 }
 
 void append_points(DetectionScene& scene, const SurfacePoints& more, int view) {

@@ -104,6 +104,9 @@ std::string ft_name(const FtSensorOptions& options) {
 }
 
 FtLink start_ft_link(const FtSensorOptions& options, Deadline deadline) {
+  if (options.link == "serial" && options.device.empty())
+    throw DeviceError("force_torque.device", "is missing",
+                      "give its path, see `ls /dev/serial/by-id`, or link: ur_cap with an address");
   FtLink link = open_link(options, deadline);
   modbus::Bytes last;
   if (options.link == "ur_cap") {

@@ -109,7 +109,8 @@ WallTarget target_of_file(const std::string& path) {
   yaml::Map map(yaml::read_file(path), path);
   const std::string schema = map.text("schema");
   if (schema != kTargetSchema)
-    map.fail("schema", concat("is '", schema, "'"), concat("this version reads ", kTargetSchema));
+    throw FileError(path, concat("is a ", schema, " file by its schema"),
+                    concat("give a ", kTargetSchema, " file, as those in data/targets"));
   WallTarget target;
   if (map.has("spans")) {
     target.task = task_of_file(map, path);
