@@ -64,6 +64,8 @@ void show_cell(ConfigCommand& command) {
 void add_config(CLI::App& app) {
   CLI::App* config = app.add_subcommand("config", "Options and where their values come from");
   config->require_subcommand(1);
+  config->footer(
+      "Examples:\n  stonestack config show\n  stonestack config init\n  stonestack config cell --expert");
   const auto [options, shown] = add_subcommand<ConfigCommand>(
       *config, "show", "The options for users: value, range, unit and effect", show);
   options.add_flag("--origin", shown.origin,

@@ -82,7 +82,7 @@ Subcommand<ExperimentCommand> register_experiment(CLI::App& app, const RecordExp
   const auto& [sub, command] = subcommand;
   ExperimentOrder& order = command.order;
   command.record = record;
-  sub.add_option("--runs", order.runs)->check(CLI::Range(1, 100000))->capture_default_str();
+  sub.add_option("--runs", order.runs, "Number of runs")->check(CLI::Range(1, 100000))->capture_default_str();
   CLI::Option* const stones = sub.add_option("--stones", order.stones, "Stones of the catalogue to draw from")
                                   ->check(CLI::Range(1, 1000))
                                   ->capture_default_str();
