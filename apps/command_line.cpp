@@ -48,6 +48,13 @@ std::string full_name(const CLI::App& app) {
                                      : concat(full_name(*app.get_parent()), ' ', app.get_name());
 }
 
+/// The innermost command that was given.
+const CLI::App& chosen(const CLI::App& app) {
+  const CLI::App* at = &app;
+  while (!at->get_subcommands().empty()) at = at->get_subcommands().front();
+  return *at;
+}
+
 bool is_option(const std::string& word) {
   return word.size() > 1 && word.front() == '-';
 }
@@ -67,17 +74,17 @@ void check_commands(const CLI::App& app, const Words& words) {
 
 /// An option that the subcommand does not have, or a word that it has no use for.
 void check_left_over(const CLI::App& app) {
-  const CLI::App* at = &app;
-  while (!at->get_subcommands().empty()) at = at->get_subcommands().front();
-  const Words left = at->remaining();
+  const CLI::App& command = chosen(app);
+  const Words left = command.remaining();
   if (left.empty()) return;
   const auto option = std::find_if(left.begin(), left.end(), is_option);
   const std::string& word = option == left.end() ? left.front() : *option;
   const std::string given = word.substr(0, word.find('='));
-  const std::string name = full_name(*at);
+  const std::string name = full_name(command);
   const std::string help = concat("; `", name, " --help` lists what it takes");
   require(option != left.end(), name, " has no use for '", word, "'", help);
-  throw InvalidArgument(concat(name, " has no option '", given, "'", question(options_of(*at), given), help));
+  throw InvalidArgument(
+      concat(name, " has no option '", given, "'", question(options_of(command), given), help));
 }
 
 /// `help config show` is `config show --help`.
@@ -99,8 +106,10 @@ int run_command_line(CLI::App& app, int argc, const char* const* argv) {
     app.parse(reversed);
   } catch (const CLI::ParseError& problem) {
     // CallForHelp, too, is a ParseError. An option that does not exist may be why another is missing.
-    if (problem.get_exit_code() != 0) check_left_over(app);
-    return app.exit(problem, std::cout, std::cerr) == 0 ? 0 : static_cast<int>(ExitCode::kUsage);
+    if (problem.get_exit_code() == 0) return app.exit(problem, std::cout, std::cerr);
+    check_left_over(app);
+    const std::string name = full_name(chosen(app));
+    throw InvalidArgument(concat(name, ": ", problem.what(), "; `", name, " --help` lists what it takes"));
   }
   return 0;
 }

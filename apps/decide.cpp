@@ -52,7 +52,7 @@ void replay(ReplayCommand& command) {
 void add_inspect(CLI::App& app) {
   const auto [sub, command] = add_subcommand<InspectCommand>(
       app, "inspect", "Print what happened in a run, by its journal, also of one that was killed", inspect);
-  add_path(sub, "run", command.run, "Folder of a run", "RUN")->required();
+  add_path(sub, "RUN", command.run, "Folder of a run", "DIR")->required();
   sub.add_flag("--json", command.json, "Print one JSON object (schema stonestack.inspect/1)");
   command.loudness.register_on(sub);
   sub.footer(
@@ -64,7 +64,7 @@ void add_inspect(CLI::App& app) {
 void add_replay(CLI::App& app) {
   const auto [sub, command] = add_subcommand<ReplayCommand>(
       app, "replay", "Make a recorded run's decisions again and compare them; nothing moves", replay);
-  add_path(sub, "run", command.task.run, "Folder of a run with `--set run.save_states=true`", "RUN")
+  add_path(sub, "RUN", command.task.run, "Folder of a run with `--set run.save_states=true`", "DIR")
       ->required();
   add_path(sub, "--catalogue", command.task.catalogue, "Stones (default: those of the run)", "DIR");
   add_path(sub, "--cell", command.task.cell, "Cell of the run, if it was performed in one", "FILE");
@@ -82,8 +82,7 @@ void add_replay(CLI::App& app) {
 void add_decide(CLI::App& app) {
   const auto [sub, command] = add_subcommand<DecideCommand>(
       app, "decide", "Print what a run would do next in a saved state, and why", decide_next);
-  add_path(sub, "state", command.task.state, "File that `run --set run.save_states=true` wrote", "STATE.json")
-      ->required();
+  add_path(sub, "STATE", command.task.state, "File that `run --set run.save_states=true` wrote")->required();
   add_path(sub, "--catalogue", command.task.catalogue, "Stones (default: those of the state)", "DIR");
   sub.add_option("--robot", command.task.robot, "Robot (default: that of the state)");
   sub.add_option("--set", command.task.assignments, "Set an option instead of the state's")

@@ -61,16 +61,20 @@ TEST_F(EveryCommand, RefusesBadUsageWithExitCode2) {
       {"check --friction -1 x.yaml", "--friction"},
       {"plan", "SCENE"},
       {"run --per-run 0", "--per-run"},
+      {"run --per-run 50", "give --per-run 6 at most, or make more with `stonestack scan --generate`"},
+      {"run --seed abc", "error: stonestack run: --seed: "},
+      {"run --wall 3+2+1 --per-run 4",
+       "--wall 3+2+1 asks for 6 stones, 4 lie in the field; give --per-run 6"},
       {"run --method best", "--method"},
       {"run --view-port 80", "--view"},
       {"run -q -v", "--quiet"},
       {"run --wall 4+x", "--wall '4+x': '4+' is not a number; expected 4+3+2+1"},
       {"run --bridge abc", "--bridge 'abc'"},
       {"config shwo", "did you mean show"},
-      {"decide", "state is required"},
-      {"inspect", "run is required"},
-      {"replay", "run is required"},
-      {"calibrate", "--simulate"},
+      {"decide", "error: stonestack decide: STATE is required; `stonestack decide --help`"},
+      {"inspect", "RUN is required"},
+      {"replay", "RUN is required"},
+      {"calibrate", "give a file of stations, --capture CELL, --table CELL or --simulate N"},
       {"search", "--stones"},
       {"experiment --runs none", "--runs"},
       {"simulate --only lamp", "--only"},
@@ -80,7 +84,7 @@ TEST_F(EveryCommand, RefusesBadUsageWithExitCode2) {
       {"setup", "CELL"},
       {"view --joints 1", "q1,q2"},
       {"completion tcsh", "SHELL"},
-      {"config", "A subcommand is required"},
+      {"config", "error: stonestack config: A subcommand is required"},
       {"search --levels 0", "--levels"},
       {"search --set search.frictoin=0.3", "did you mean search.friction"},
       {"detect x.png --set search.friction=0.3", "this command has no option search.friction"},
@@ -90,6 +94,27 @@ TEST_F(EveryCommand, RefusesBadUsageWithExitCode2) {
   for (const auto& [arguments, part] : wrong) expect_refusal(arguments, 2, {part});
   expect_refusal("run --wall nowhere.yaml", 3, {"nowhere.yaml"});
   EXPECT_FALSE(fs::exists(folder_ + "/runs")) << "what is refused leaves no folder";
+}
+
+TEST_F(EveryCommand, ErrorsOfInputNameTheRemedy) {
+  write("cell.yaml", "robot: ur10\narm: {address: 127.0.0.1}\n");
+  fs::create_directories(folder_ + "/empty/run");
+  ASSERT_EQ(run("render --out scene --seed 3 --stones limestone_1").code, 0);
+  const std::vector<std::tuple<std::string, int, std::string>> wrong = {
+      {"check " + data_path("targets/wall.yaml"), 3,
+       "give a stonestack.scene/1 file, as `search --out` writes"},
+      {"run --target " + data_path("stones/limestone_1/stone.yaml"), 3, "give a stonestack.target/1 file"},
+      {"calibrate " + data_path("targets/wall.yaml"), 3, "give a stonestack.hand_eye/1 file"},
+      {"replay empty/run", 3, "record one with `run --set run.save_states=true`"},
+      {"run --robot nope", 3, "or the path of a URDF or YAML"},
+      {"detect empty", 3, "it must contain scene_camera.json (BOP)"},
+      {"detect scene/cloud.ply --units mm", 4, "is --units right?"},
+  };
+  for (const auto& [arguments, code, part] : wrong) expect_refusal(arguments, code, {part});
+  EXPECT_THAT(run("doctor --cell cell.yaml").out,
+              HasSubstr("force_torque.device: is missing; give its path"));
+  EXPECT_THAT(run("config --help").out, HasSubstr("stonestack config show\n  stonestack config init"));
+  EXPECT_THAT(run("experiment --help").out, HasSubstr("Number of runs"));
 }
 
 /// Which command each schema is from (docs/formats.md). The slow ones have tests of their own: `run` and
