@@ -448,7 +448,7 @@ TEST(FindNextPose, AHeldStackLimitsTheMarginThatIsReported) {
       << "less than the box on its own, 0.035 m wide and 0.02 m high, bears";
 }
 
-TEST(FindNextPose, WhatTheCloserLookDropsIsReplacedByWhatWasLeftAside) {
+TEST(FindNextPose, SearchesOnWhereTheBestFailsTheCloserPrediction) {
   // Put down with errors of a centimetre, half of the slabs fall from a post of 3 cm. Of two draws some pass;
   // in eight the best of them may not.
   SearchProblem problem = base_stands();
