@@ -104,12 +104,12 @@ TEST(Replay, MakesTheSameDecisionsToTheLastDigit) {
 }
 
 TEST(Replay, TellsWhatIsNoRecord) {
-  const std::string folder = test::temporary_folder() + "none";
-  EXPECT_THAT(error_of(folder), testing::HasSubstr("none: is no folder"));
+  const std::string folder = test::temporary_folder() + "no_record";
+  EXPECT_THAT(error_of(folder), testing::HasSubstr("no_record: is no folder"));
   write_file(folder + "/journal.jsonl", "");
   EXPECT_THAT(error_of(folder), testing::HasSubstr("record one with `run --set run.save_states=true`"));
   write_file(folder + "/inputs/answers.jsonl", "");
-  EXPECT_THAT(error_of(folder), testing::HasSubstr("none/inputs/start.json"));
+  EXPECT_THAT(error_of(folder), testing::HasSubstr("no_record/inputs/start.json"));
   write_file(folder + "/inputs/start.json", "{}");
   EXPECT_THAT(error_of(folder), testing::HasSubstr("is no start of a run"));
 }
