@@ -1,5 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "stacking/box_shape.hpp"
+#include "stacking/choose_placement.hpp"
 #include "stacking/run_memory.hpp"
 #include "stonestack/core/error.hpp"
 
@@ -47,6 +51,26 @@ TEST(FrictionEstimate, AMeasurementMakesFrictionsNearItLikely) {
 TEST(FrictionEstimate, WantsASuccessForEach) {
   FrictionEstimate estimate = first_estimate({0.1, 0.225});
   EXPECT_THROW(static_cast<void>(update_estimate(estimate, {1.0})), InvalidArgument);
+}
+
+/// Slabs are put down upon a post of 3 cm with 18 mm of error along each axis: by that the middle lies above
+/// the post in 0.595^2 = 0.35 of the cases.
+TEST(FrictionEstimate, AnUnlikelyPlacementCountsInWhatIsExpected) {
+  const ShapeList shapes = {box("post", {0.03, 0.03, 0.06}), box("slab", {0.08, 0.08, 0.04})};
+  SearchProblem problem;
+  problem.shapes = &shapes;
+  problem.stack.stones = {{0_stone, make_pose(Eigen::Vector3d(0, 0, 0.03))}};
+  problem.available = {{1_stone, make_pose(Eigen::Vector3d(0.4, 0, 0.02))}};
+  SearchOptions options;
+  options.placement_sigma_translation = 0.018;
+  options.placement_sigma_rotation = 0.001;
+  options.com_sigma = 0.0;
+  options.perturbations = 64;
+  ASSERT_EQ(options.min_success, 0.5);
+  const PlacedStone slab{1_stone, make_pose(Eigen::Vector3d(0, 0, 0.08))};
+  for (const double expected :
+       expected_by_friction(problem, {slab}, {0.3, 0.5}, {true, true}, nullptr, options))
+    EXPECT_NEAR(expected, 0.354, 3 * std::sqrt(0.354 * 0.646 / 64));
 }
 
 }  // namespace

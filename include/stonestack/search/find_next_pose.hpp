@@ -122,7 +122,7 @@ struct SearchProblem {
   /// default search continues it first and searches other routes only if that does not reach the top. May be
   /// empty.
   std::vector<PlacedStone> known_route;
-  bool known_route_only = false;  ///< no other routes
+  bool known_route_only = false;  ///< no other routes; nothing where it leads no higher
   /// May be empty. Can the arm bring that stone (index into `shapes`) from where it lies to that pose, when
   /// the stack has grown to `below` (what stands, then what the plan has put on it)? Called from one thread,
   /// best proposals first, before they are verified; what it refuses is counted and dropped.
