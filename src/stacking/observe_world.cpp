@@ -122,14 +122,18 @@ bool adopt(const ShapeList& shapes, const std::optional<WorldEstimate>& predicte
   return true;
 }
 
-/// Makes obstacles of what is no stone, until the next observation.
-void set_unknown_objects(Workcell& w, const std::vector<Obstacle>& unknown) {
+/// Makes obstacles of what is no stone, and keeps its surface for when it is out of sight.
+void set_unknown_objects(Workcell& w, const std::vector<UnknownThing>& unknown) {
   auto& obstacles = w.cell.layout.obstacles;
   const std::size_t before = obstacles.size() - w.stated_obstacles.size();
   obstacles = w.stated_obstacles;
-  obstacles.insert(obstacles.end(), unknown.begin(), unknown.end());
-  if (unknown.size() == before) return;
-  for (const Obstacle& object : unknown) {
+  w.unknown_surface_W.clear();
+  for (std::size_t k = 0; k < unknown.size(); ++k) {
+    const Obstacle& object =
+        obstacles.emplace_back(obstacle_about(unknown[k], concat("unknown object ", k + 1)));
+    const auto& surface = unknown[k].surface_W;
+    w.unknown_surface_W.insert(w.unknown_surface_W.end(), surface.begin(), surface.end());
+    if (unknown.size() == before) continue;
     Eigen::AlignedBox3d box;
     for (const auto& v : object.pieces.front().vertices) box.extend(v);
     w.emit(UnknownObjectSeen{box.center().head<2>(), box.max().z()});

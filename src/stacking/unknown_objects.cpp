@@ -21,21 +21,40 @@ constexpr double kAtSite = 0.15;           // m from the site
 constexpr double kOverTower = 0.010;       // m above the tower's top: models err by less
 constexpr double kAtBase = 0.30;           // m from the robot's base, which the camera may see, too
 constexpr double kOverField = 0.3;         // m beyond the field
+constexpr double kShownSurface = 0.010;    // m along a ray: poses of the camera and depth err by less
 constexpr double kSamePlaceAround = 0.01;  // m about an object: what a view may show more of it
 
-/// Surface above the table in all views, a point in each cube.
-std::vector<Eigen::Vector3d> surface_in(const Views& views, const DetectionOptions& options) {
+/// Does the image show this place: the point itself, or what lies behind it?
+bool shows(const DepthImage& depth, const Pose& T_W_C, const Eigen::Vector3d& p_W) {
+  const Eigen::Vector3d p_C = T_W_C.inverse() * p_W;
+  if (!(p_C.z() > 0.0)) return false;
+  const Eigen::Vector2d pixel = project(depth.camera, p_C).array().round();
+  if (!(pixel.x() >= 0.0 && pixel.y() >= 0.0 && pixel.x() < depth.camera.width &&
+        pixel.y() < depth.camera.height))
+    return false;
+  const double seen = depth.at(static_cast<int>(pixel.x()), static_cast<int>(pixel.y()));
+  return seen > p_C.z() - kShownSurface;
+}
+
+/// Surface above the table in all views, a point in each cube; with it what was seen before, `earlier_W`,
+/// where no view shows that place: it lies outside of them, or something hides it.
+std::vector<Eigen::Vector3d> surface_in(const Views& views, const DetectionOptions& options,
+                                        std::vector<Eigen::Vector3d> earlier_W = {}) {
   std::map<std::array<int, 3>, Eigen::Vector3d> cubes;
+  const auto add = [&](const Eigen::Vector3d& p_W) {
+    const Eigen::Vector3d cube = (p_W / kCube).array().floor();
+    cubes.try_emplace({static_cast<int>(cube.x()), static_cast<int>(cube.y()), static_cast<int>(cube.z())},
+                      p_W);
+  };
   for (const CameraView& view : views) {
     const DepthImage depth = detection::smooth_depth(view.image, options);
     const auto table_C = detection::find_table(depth, std::nullopt, options);
     if (!table_C) continue;
-    for (const Eigen::Vector3d& p_W : detection::view_of_smooth_table(depth, *table_C, view.T_W_C).above_W) {
-      const Eigen::Vector3d cube = (p_W / kCube).array().floor();
-      cubes.try_emplace({static_cast<int>(cube.x()), static_cast<int>(cube.y()), static_cast<int>(cube.z())},
-                        p_W);
-    }
+    for (const Eigen::Vector3d& p_W : detection::view_of_smooth_table(depth, *table_C, view.T_W_C).above_W)
+      add(p_W);
+    std::erase_if(earlier_W, [&](const Eigen::Vector3d& p_W) { return shows(depth, view.T_W_C, p_W); });
   }
+  for (const Eigen::Vector3d& p_W : earlier_W) add(p_W);
   std::vector<Eigen::Vector3d> surface;
   for (const auto& [cube, p_W] : cubes) surface.push_back(p_W);
   return surface;
@@ -76,9 +95,11 @@ bool is_of_interest(const CellLayout& layout, const Eigen::Vector2d& p_W) {
 }
 
 std::vector<UnknownThing> things_in(const Workcell& w, const Views& views,
-                                    const std::vector<PlacedStone>& stones) {
-  auto things =
-      find_stack(w.models.shapes, stones, w.cell.layout.site, surface_in(views, w.options.detection)).unknown;
+                                    const std::vector<PlacedStone>& stones,
+                                    const std::vector<Eigen::Vector3d>& earlier_W) {
+  auto things = find_stack(w.models.shapes, stones, w.cell.layout.site,
+                           surface_in(views, w.options.detection, earlier_W))
+                    .unknown;
   std::erase_if(things, [&](const UnknownThing& thing) { return !is_of_interest(w.cell.layout, thing.p_W); });
   return things;
 }
@@ -105,7 +126,7 @@ Obstacle obstacle_about(const UnknownThing& thing, const std::string& name) {
 
 std::vector<UnknownThing> unknown_things(const Workcell& w, const Views& views,
                                          const std::vector<PlacedStone>& stones) {
-  auto things = things_in(w, views, stones);
+  auto things = things_in(w, views, stones, {});
   std::stable_sort(things.begin(), things.end(), [](const UnknownThing& a, const UnknownThing& b) {
     return a.surface_W.size() > b.surface_W.size();
   });
@@ -120,17 +141,17 @@ std::vector<Obstacle> objects_above_table(const Views& views, const DetectionOpt
   return obstacles;
 }
 
-std::vector<Obstacle> unknown_objects(const Workcell& w, const Views& views, const WorldEstimate& world) {
+std::vector<UnknownThing> unknown_objects(const Workcell& w, const Views& views, const WorldEstimate& world) {
   std::vector<PlacedStone> stones;
   for (const StoneEstimate& stone : world.stack) stones.push_back({stone.stone, stone.T_W_O_seen});
   const double top = top_height(w.models.shapes, stones);
   for (const StoneEstimate& stone : world.loose) stones.push_back({stone.stone, stone.T_W_O_seen});
-  std::vector<Obstacle> obstacles;
-  for (const UnknownThing& thing : things_in(w, views, stones)) {
+  auto things = things_in(w, views, stones, w.unknown_surface_W);
+  std::erase_if(things, [&](const UnknownThing& thing) {
     const bool at_tower = !world.stack.empty() && (thing.p_W - w.cell.layout.site).norm() <= kAtSite;
-    if (!at_tower || thing.highest > top + kOverTower) add_thing(obstacles, "unknown object", thing);
-  }
-  return obstacles;
+    return at_tower && thing.highest <= top + kOverTower;
+  });
+  return things;
 }
 
 void drop_known_objects(const ShapeList& shapes, const std::vector<StoneIndex>& known,

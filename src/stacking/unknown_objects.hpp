@@ -8,12 +8,12 @@
 /// Private to stacking/: what is seen and is no stone.
 namespace stonestack::stacking {
 
-/// Obstacles for what the views show above the table that belongs to none of the stones: an upright prism
-/// with sixteen sides about what is seen of each, from the table up. What is seen beside a tower and no
-/// higher is left to those who view the tower: most of it is the tower's own.
+/// Things above the table that belong to none of the stones, as the views show them, or as they were seen
+/// before where no view shows that place. What is seen beside a tower and no higher is left to those who view
+/// the tower: most of it is the tower's own.
 /// @param world stones that were recognised; one that was seen to float is none of them
-[[nodiscard]] std::vector<Obstacle> unknown_objects(const Workcell& workcell, const Views& views,
-                                                    const WorldEstimate& world);
+[[nodiscard]] std::vector<UnknownThing> unknown_objects(const Workcell& workcell, const Views& views,
+                                                        const WorldEstimate& world);
 
 /// Things that the views show above the table and that belong to none of the stones, beside the tower too;
 /// the largest first. Not what is beyond the reach of what falls off the tower, or at the robot's base.
@@ -21,7 +21,7 @@ namespace stonestack::stacking {
                                                        const std::vector<PlacedStone>& stones);
 /// Ground that an obstacle covers, seen from above, in W [m]; empty for one without a shape.
 [[nodiscard]] Eigen::AlignedBox2d ground_of(const Obstacle& obstacle);
-/// Upright prism about what is seen of a thing, from the table up.
+/// Upright prism with sixteen sides about what is seen of a thing, from the table up.
 [[nodiscard]] Obstacle obstacle_about(const UnknownThing& thing, const std::string& name);
 
 /// Obstacles, likewise, for all that the views show above the table, wherever it stands, named after `what`

@@ -24,6 +24,7 @@ struct Workcell {
   /// Empty: none is added.
   ModelledHook add_stone;
   std::vector<Obstacle> stated_obstacles = cell.layout.obstacles;  ///< those of the cell file
+  std::vector<Eigen::Vector3d> unknown_surface_W = {};             ///< what was seen of unknown objects
 };
 
 /// Expected view of the world.

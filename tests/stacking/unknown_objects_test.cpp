@@ -67,6 +67,27 @@ TEST(UnknownObjects, AtTheSiteAreInTheWayWhereNoTowerStands) {
   EXPECT_TRUE(is_kept_clear(pile.observed()));
 }
 
+TEST(UnknownObjects, AreInTheWayUntilAViewShowsThatTheyAreGone) {
+  stonestack::test::UnknownPile pile({2_stone});
+  const WorldEstimate world = pile.observed();
+  ASSERT_TRUE(is_kept_clear(world));
+  const auto out_of_sight = unknown_objects(pile.workcell, {}, world);
+  ASSERT_EQ(out_of_sight.size(), world.layout.obstacles.size());
+  const auto at_site = [&](const UnknownThing& thing) {
+    return ground_of(obstacle_about(thing, "it")).contains(world.layout.site);
+  };
+  EXPECT_TRUE(std::any_of(out_of_sight.begin(), out_of_sight.end(), at_site));
+  Views hidden = *world.views;  // something stands before the camera
+  for (CameraView& view : hidden)
+    for (int v = view.image.camera.height / 2; v < view.image.camera.height; ++v)
+      for (int u = 0; u < view.image.camera.width; ++u)
+        view.image.z[static_cast<std::size_t>(v * view.image.camera.width + u)] = 0.3F;
+  const auto behind = unknown_objects(pile.workcell, hidden, world);
+  EXPECT_TRUE(std::any_of(behind.begin(), behind.end(), at_site));
+  pile.take_away();
+  EXPECT_FALSE(is_kept_clear(pile.observed()));
+}
+
 TEST(UnknownObjects, OnATowerAreInTheWay) {
   stonestack::test::UnknownPile pile({1_stone, 2_stone});
   const WorldEstimate world = pile.observed(as_estimates({{0_stone, pile.T_W_lower}}));

@@ -40,6 +40,12 @@ struct UnknownPile {
     return observe(workcell, expected, [](const WorldEstimate&) {}).world;
   }
 
+  /// Both stones, to where no view shows them.
+  void take_away() {
+    cell.place(1_stone, make_pose({-0.6, -0.6, 0.05}));
+    cell.place(3_stone, make_pose({-0.6, -0.4, 0.05}));
+  }
+
  private:
   Cell placed() {
     cell.place(1_stone, T_W_lower);
