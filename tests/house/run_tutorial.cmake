@@ -1,12 +1,33 @@
 # cmake -DTUTORIAL=docs/tutorial.md -DROOT=... -DPROGRAM=.../stonestack -DFOLDER=... -DFILES=tower.yaml,... -P run_tutorial.cmake
 # Runs every sh block of a tutorial as it stands, in a fresh folder, and asks for the FILES that it writes. Only `./dev`
 # is replaced: by a script that calls the program that is already built; `./dev test` does nothing there. What the blocks leave running ends with them.
+# -DELSEWHERE=docs/gallery.md,...: what these documents run as well is not run twice, whatever its files are called there.
+cmake_policy(SET CMP0057 NEW)
 file(REMOVE_RECURSE "${FOLDER}")
 file(MAKE_DIRECTORY "${FOLDER}")
 file(CREATE_LINK "${ROOT}/data" "${FOLDER}/data" SYMBOLIC)
 file(CREATE_LINK "${ROOT}/examples" "${FOLDER}/examples" SYMBOLIC)
 file(WRITE "${FOLDER}/dev" "#!/bin/sh\ntest \"$1\" != test || exit 0\nexec '${PROGRAM}' \"$@\"\n")
 file(CHMOD "${FOLDER}/dev" PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE)
+
+# A command without comment, names of files and what has no effect on the result.
+function(bare_command line bare)
+  string(REGEX REPLACE " *#.*" "" line "${line}")
+  string(REGEX REPLACE " --seed 1( |$)" "\\1" line "${line}")  # the default
+  string(REGEX REPLACE " (>|--out|--csv|--plot|--frames|--frame-width) +[^ ]+" "" line "${line}")
+  string(REGEX REPLACE "[^ ]*/([^ /]+\\.[a-z]+)" "\\1" line "${line}")  # the name of a file without its folder
+  set(${bare} "${line}" PARENT_SCOPE)
+endfunction()
+
+set(elsewhere)
+string(REPLACE "," ";" ELSEWHERE "${ELSEWHERE}")
+foreach(document IN LISTS ELSEWHERE)
+  file(STRINGS "${document}" lines REGEX "^\\./dev ")
+  foreach(line IN LISTS lines)
+    bare_command("${line}" line)
+    list(APPEND elsewhere "${line}")
+  endforeach()
+endforeach()
 
 file(STRINGS "${TUTORIAL}" lines)
 set(script "set -eux\nsimulators=\ntrap 'test -z \"$simulators\" || kill $simulators 2>/dev/null || true' EXIT\n")
@@ -19,8 +40,13 @@ foreach(line IN LISTS lines)
   elseif(line STREQUAL "```")
     set(inside FALSE)
   elseif(inside)
-    string(APPEND script "${line}\n")
     math(EXPR commands "${commands} + 1")
+    bare_command("${line}" bare)
+    if(bare IN_LIST elsewhere)
+      message(STATUS "run elsewhere: ${line}")
+      continue()
+    endif()
+    string(APPEND script "${line}\n")
   endif()
 endforeach()
 if(commands LESS 8)
