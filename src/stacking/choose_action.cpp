@@ -195,14 +195,29 @@ std::optional<Action> unstack(const Situation& s, RunMemory& memory) {
   return unstack_top(s, *memory.unstacking);
 }
 
-/// Forgets which grasps failed: better one of these once more than none. False if none did.
+/// Forgets which grasps failed twice: better one of these once more than none. False if none did.
 bool retry_failed_grasps(const Situation& s, RunMemory& memory) {
-  if (memory.failed_grasps.empty()) return false;
+  const auto& failed = memory.failed_grasps;
+  if (std::all_of(failed.begin(), failed.end(),
+                  [&](const auto& of_stone) { return failed_twice(memory, of_stone.first).empty(); }))
+    return false;
   s.emit(GraspsRetried{});
   memory.failed_grasps.clear();
   memory.search.reset();
   memory.stack_stays = false;
   return true;
+}
+
+/// Is a tower planned of fewer stones than lie there? Those that are left out may only want room for a grasp,
+/// and what is built before they have it may be no tower for them.
+bool leaves_stones_out(const Situation& s, const RunMemory& memory) {
+  if (s.models.wall || memory.search->found.best.empty()) return false;
+  const std::size_t planned = 1 + memory.search->found.best.front().then.size();
+  std::size_t possible = s.arrangement.loose.size();
+  if (s.options.max_stones > 0)
+    possible =
+        std::min(possible, static_cast<std::size_t>(s.options.max_stones) - s.arrangement.stack.size());
+  return planned < std::min(possible, static_cast<std::size_t>(s.options.search.horizon));
 }
 
 Action choose(const Situation& s, RunMemory& memory) {
@@ -219,7 +234,11 @@ Action choose(const Situation& s, RunMemory& memory) {
   if (const auto stop = stop_at_blocked_site(s)) return *stop;
   if (const auto push = push_free(s, memory, Neighbours::kLasting)) return *push;
   do {
-    if (const auto action = choose_placement(s, memory)) return *action;
+    if (const auto action = choose_placement(s, memory)) {
+      if (leaves_stones_out(s, memory))
+        if (const auto push = push_free(s, memory, Neighbours::kAll)) return *push;
+      return *action;
+    }
     if (s.basis == Basis::kPredicted)
       return Stop{RunEnd::kNoPose, "nothing is found for the world as predicted"};
     if (const auto push = push_free(s, memory, Neighbours::kAll)) return *push;

@@ -51,8 +51,9 @@ enum class Basis { kObserved, kPredicted };
 /// options give the same decision. In this order: ends after a failure; searches for stones out of sight;
 /// models anew what no model shows; goes on unstacking; models the top stone anew; clears the base; ends when
 /// the height is reached; pushes a stone free; places or reorients a stone by the search
-/// (src/stacking/choose_placement.hpp); pushes where only that helps; unstacks where nothing fits; retries
-/// grasps that failed; ends. `listener` hears events as they happen.
+/// (src/stacking/choose_placement.hpp), or pushes one first where it leaves stones out; pushes where only
+/// that helps; unstacks where nothing fits; retries grasps that failed twice; ends. `listener` hears events
+/// as they happen.
 /// @param basis predicted: where nothing is found the decision ends, without asking what could be taken off;
 ///     where a tower's first search finds nothing, none follows at other frictions, and there is no
 ///     `memory.search`

@@ -69,10 +69,9 @@ bool was_given_up(const ShapeList& shapes, const RunMemory& memory, const Placed
 }
 
 std::vector<Pose> useless_grasps(const RunMemory& memory, StoneIndex stone) {
-  std::vector<Pose> list;
-  for (const auto* grasps : {&memory.failed_grasps, &memory.no_pick})
-    if (const auto of_stone = grasps->find(stone); of_stone != grasps->end())
-      list.insert(list.end(), of_stone->second.begin(), of_stone->second.end());
+  std::vector<Pose> list = failed_twice(memory, stone);
+  if (const auto none = memory.no_pick.find(stone); none != memory.no_pick.end())
+    list.insert(list.end(), none->second.begin(), none->second.end());
   return list;
 }
 
@@ -346,6 +345,13 @@ std::vector<bool> possible_frictions(const WorldEstimate& world) {
   std::vector<bool> possible;
   for (const RestingStack& at : world.resting) possible.push_back(at.stack.has_value() || !any);
   return possible;
+}
+
+std::vector<Pose> failed_twice(const RunMemory& memory, StoneIndex stone) {
+  std::vector<Pose> once, twice;
+  if (const auto failed = memory.failed_grasps.find(stone); failed != memory.failed_grasps.end())
+    for (const Pose& T_O_T : failed->second) (is_near_grasp(once, T_O_T) ? twice : once).push_back(T_O_T);
+  return twice;
 }
 
 SearchProblem make_problem(const Situation& s, const RunMemory& memory, const Arrangement& arrangement,

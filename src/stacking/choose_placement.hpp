@@ -66,6 +66,8 @@ struct Situation {
 /// May another stone be reoriented?
 [[nodiscard]] bool may_reorient(const RunMemory& memory, const BuildOptions& options);
 [[nodiscard]] bool height_is_reached(const Arrangement& arrangement, const BuildOptions& options);
+/// Grasps T_O_T of the stone near which two failed. Near one that failed alone another view may help.
+[[nodiscard]] std::vector<Pose> failed_twice(const RunMemory& memory, StoneIndex stone);
 /// Stones (loose, by index) that the gripper can hold where they lie.
 [[nodiscard]] std::vector<StoneIndex> graspable_stones(const Situation& situation);
 

@@ -14,8 +14,9 @@ namespace {
 
 void name_useless_grasps(PickAndPlaceTask& task, const RunMemory& memory,
                          const std::map<StoneIndex, std::vector<Pose>>& no_pick, StoneIndex stone) {
+  task.avoid = failed_twice(memory, stone);
   if (const auto failed = memory.failed_grasps.find(stone); failed != memory.failed_grasps.end())
-    task.avoid = failed->second;
+    task.failed_once = failed->second;
   if (const auto none = no_pick.find(stone); none != no_pick.end()) task.no_pick = none->second;
 }
 

@@ -139,6 +139,30 @@ TEST(PickAndPlace, SameSeedSamePlan) {
   EXPECT_EQ(a.T_O_T.matrix(), b.T_O_T.matrix());
 }
 
+TEST(PickAndPlace, AGraspThatFailedOnceIsTakenAgainWhereThereIsNoOther) {
+  Workplace cell;
+  const auto plan = [&] { return plan_pick_and_place(cell.scene, cell.task); };
+  const PickAndPlacePlan first = plan();
+  ASSERT_EQ(first.status, PickAndPlacePlan::Status::kPlanned) << first.reason;
+  cell.task.failed_once = {first.T_O_T};
+  const PickAndPlacePlan second = plan();
+  ASSERT_EQ(second.status, PickAndPlacePlan::Status::kPlanned) << second.reason;
+  EXPECT_FALSE(is_near_grasp(cell.task.failed_once, second.T_O_T)) << "the block has another side";
+  while (cell.task.avoid.size() < 100) {
+    const PickAndPlacePlan next = plan();
+    if (next.status != PickAndPlacePlan::Status::kPlanned || is_near_grasp(cell.task.failed_once, next.T_O_T))
+      break;
+    cell.task.avoid.push_back(next.T_O_T);
+  }
+  const PickAndPlacePlan last = plan();
+  ASSERT_EQ(last.status, PickAndPlacePlan::Status::kPlanned) << last.reason;
+  EXPECT_TRUE(is_near_grasp(cell.task.failed_once, last.T_O_T));
+  cell.task.avoid.push_back(first.T_O_T);
+  const PickAndPlacePlan none = plan();
+  EXPECT_TRUE(none.status != PickAndPlacePlan::Status::kPlanned ||
+              !is_near_grasp(cell.task.failed_once, none.T_O_T));
+}
+
 TEST(PickAndPlace, NamesTheObjectThatTheArmTouchesAtTheStart) {
   Workplace cell;
   const Eigen::Vector3d p_elbow =

@@ -8,6 +8,7 @@
 
 #include "core/constants.hpp"
 #include "stacking/arrangement.hpp"
+#include "stacking/choose_placement.hpp"
 #include "stacking/heard.hpp"
 #include "stacking/learn.hpp"
 #include "stacking/state_file.hpp"
@@ -472,12 +473,26 @@ State with_top_out_of_reach() {
 
 TEST(ChooseAction, RetriesFailedGraspsBeforeItStops) {
   State state = with_top_out_of_reach();
-  state.memory.failed_grasps[state.world.loose.front().stone] = {Pose::Identity()};
+  std::vector<Pose>& failed = state.memory.failed_grasps[state.world.loose.front().stone];
+  failed = {Pose::Identity()};
+  EXPECT_TRUE(all_of<GraspsRetried>(decide(state).why).empty()) << "it was not left out";
+  failed.push_back(Pose::Identity());
   const Decision decision = decide(state);
   ASSERT_TRUE(std::holds_alternative<Stop>(decision.action)) << name_of(decision.action);
   EXPECT_EQ(std::get<Stop>(decision.action).end, RunEnd::kNoPose);
   EXPECT_EQ(all_of<GraspsRetried>(decision.why).size(), 1U);
   EXPECT_TRUE(decision.memory.failed_grasps.empty());
+}
+
+TEST(ChooseAction, LeavesOutGraspsThatFailedTwice) {
+  RunMemory memory;
+  const auto beside = [](double x) { return make_pose({x, 0.0, 0.0}); };
+  memory.failed_grasps[1_stone] = {beside(0.0), beside(0.2)};
+  EXPECT_TRUE(failed_twice(memory, 1_stone).empty());
+  memory.failed_grasps[1_stone].push_back(beside(0.005));
+  ASSERT_EQ(failed_twice(memory, 1_stone).size(), 1U);
+  EXPECT_NEAR(failed_twice(memory, 1_stone).front().translation().x(), 0.005, 1e-12);
+  EXPECT_TRUE(failed_twice(memory, 2_stone).empty());
 }
 
 /// A stone on which nothing fits, and that came to rest otherwise than planned, would do so again.

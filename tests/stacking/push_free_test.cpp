@@ -140,38 +140,58 @@ TEST(PushFree, AStoneThatCanBeGraspedIsNotPushed) {
   EXPECT_TRUE(std::holds_alternative<Place>(choose_action(world, memory, models, options).action));
 }
 
-TEST(PushFree, WhereAStoneCannotBePushedItsNeighbourIs) {
-  Blocked bench;
-  ASSERT_TRUE(bench.found);
-  const Obstacle box = bench.layout.obstacles.front();  // a stone in its place
-  Stone slab;
-  slab.name = "slab";
-  slab.mesh = slab.scan = box.pieces.front();
-  slab.pieces = box.pieces;
-  slab.mass = mass_properties(slab.scan, slab.density);
-  const StoneIndex neighbour(bench.catalogue.stones.size());
-  bench.catalogue.stones.push_back(slab);
-  bench.layout.obstacles.clear();
-  const Models models = make_models(bench.catalogue, bench.robot, bench.layout);
+/// The blocked stone beside another stone in the box's place.
+struct BesideASlab : Blocked {
+  Obstacle box;
+  StoneIndex neighbour{6};
   WorldEstimate world;
-  world.site = SiteStatus::kFree;
-  world.loose = {{bench.stone.stone, bench.stone.T_W_O, bench.stone.T_W_O},
-                 {neighbour, box.T_W_O, box.T_W_O}};
+
+  BesideASlab() : box(layout.obstacles.front()) {
+    Stone slab;
+    slab.name = "slab";
+    slab.mesh = slab.scan = box.pieces.front();
+    slab.pieces = box.pieces;
+    slab.mass = mass_properties(slab.scan, slab.density);
+    neighbour = StoneIndex(catalogue.stones.size());
+    catalogue.stones.push_back(slab);
+    layout.obstacles.clear();
+    world.site = SiteStatus::kFree;
+    world.loose = {{stone.stone, stone.T_W_O, stone.T_W_O}, {neighbour, box.T_W_O, box.T_W_O}};
+  }
+};
+
+TEST(PushFree, WhereAStoneCannotBePushedItsNeighbourIs) {
+  BesideASlab bench;
+  ASSERT_TRUE(bench.found);
+  const Models models = make_models(bench.catalogue, bench.robot, bench.layout);
   const BuildOptions options;
   const Listener nobody;
-  const Situation situation = make_situation(world, models, options, nobody);
+  const Situation situation = make_situation(bench.world, models, options, nobody);
   RunMemory memory = make_memory(options);
   memory.not_pushed.insert(bench.stone.stone);
   EXPECT_FALSE(push_free(situation, memory, Neighbours::kLasting)) << "the neighbour may be taken first";
   const auto push = push_free(situation, memory, Neighbours::kAll);
   ASSERT_TRUE(push);
-  EXPECT_EQ(push->stone.stone, neighbour);
+  EXPECT_EQ(push->stone.stone, bench.neighbour);
   ASSERT_FALSE(push->p_W_shifts.empty());
   for (const Eigen::Vector2d& shift : push->p_W_shifts) {
-    bench.layout.obstacles = {box};
+    bench.layout.obstacles = {bench.box};
     bench.layout.obstacles[0].T_W_O.pretranslate(Eigen::Vector3d(shift.x(), shift.y(), 0.0));
     EXPECT_TRUE(bench.held_at(bench.stone));
   }
+}
+
+TEST(PushFree, AStoneThatThePlanLeavesOutIsGivenRoomFirst) {
+  BesideASlab bench;
+  ASSERT_TRUE(bench.found);
+  const Models models = make_models(bench.catalogue, bench.robot, bench.layout);
+  BuildOptions options;
+  const RunMemory memory = make_memory(options);
+  add_resting_stacks(models, options, memory.friction, bench.world);
+  const auto action = [&] { return choose_action(bench.world, memory, models, options).action; };
+  EXPECT_TRUE(std::holds_alternative<Push>(action())) << name_of(action());
+  options.max_stones = 1;
+  EXPECT_TRUE(std::holds_alternative<Place>(action())) << "no stone is left out of what was asked for";
 }
 
 TEST(PushFree, TheLoopPushesAndPlacesTheStone) {

@@ -78,8 +78,9 @@ struct PickAndPlaceTask {
   Pose T_W_O_pick = Pose::Identity();   ///< pose from which the stone is picked
   Pose T_W_O_place = Pose::Identity();  ///< pose in which the stone is placed
   Joints q_start = Joints::Zero();      ///< joint angles at the start [rad]
-  std::vector<Pose> avoid;              ///< grasps T_O_T that failed before: none near them is taken
-  std::vector<Pose> no_pick;            ///< the same of grasps that do not bring it up from where it lies now
+  std::vector<Pose> avoid;              ///< grasps T_O_T that fail: none near them is taken
+  std::vector<Pose> failed_once;  ///< grasps T_O_T that failed before: others near as good are preferred
+  std::vector<Pose> no_pick;      ///< the same of grasps that do not bring it up from where it lies now
 };
 /// Open, transit, approach, grasp, lift, carry, lower, guarded descent, release, retreat: a grasp that serves
 /// both ends, free of collision on the whole path, timed within limits. Of several complete plans the

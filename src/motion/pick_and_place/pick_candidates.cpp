@@ -28,8 +28,10 @@ constexpr double kSlipCost = 40.0;                     ///< what a stone that sl
 // to 2.4 deg), and it is set down turned by that.
 constexpr double kStraight = 0.0035,
                  kTurnCost = 570.0;  ///< free angle [rad]; cost per angle [s/rad]: 10 s a degree
-constexpr double kMaxLoad = 1.5;     ///< times the weight that a grasp should bear
-constexpr std::size_t kParts = 3;    ///< of what is looked at of a grasp's firmness
+// A grasp that failed once may serve: the stone is seen anew, and a little elsewhere. Assumed, not measured.
+constexpr double kFailsAgain = 0.5;
+constexpr double kMaxLoad = 1.5;   ///< times the weight that a grasp should bear
+constexpr std::size_t kParts = 3;  ///< of what is looked at of a grasp's firmness
 
 /// 0 up to `low`, 1 from `high` on.
 double ramp(double value, double low, double high) {
@@ -54,6 +56,7 @@ PickCandidates::PickCandidates(const PlanningScene& scene, const PickAndPlaceTas
     throw_if_interrupted();
     const Grasp& grasp = set.grasps[static_cast<std::size_t>(index)];
     if (is_near_grasp(task.avoid, grasp.T_O_T) || is_near_grasp(task.no_pick, grasp.T_O_T)) continue;
+    const double risk = is_near_grasp(task.failed_once, grasp.T_O_T) ? kSlipCost * kFailsAgain : 0.0;  // [s]
     std::vector<PickCandidate> own;
     const auto solutions = [&](const Pose& T_W_O, const Joints& seed, std::size_t max) {
       std::vector<Joints> free;
@@ -64,7 +67,7 @@ PickCandidates::PickCandidates(const PlanningScene& scene, const PickAndPlaceTas
     for (const Joints& pick : solutions(task.T_W_O_pick, task.q_start, kSolutionsAtPick)) {
       for (const Joints& place : solutions(task.T_W_O_place, pick, kSolutionsAtPlace)) {
         const double seconds = min_seconds(task.q_start, pick, velocity) + min_seconds(pick, place, velocity);
-        const double price = kScoreWorth * (1.0 - grasp.score);
+        const double price = kScoreWorth * (1.0 - grasp.score) + risk;
         own.push_back({index, pick, place, price, seconds + price});
       }
     }
