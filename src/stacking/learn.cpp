@@ -153,7 +153,10 @@ void learn_from_placing(RunMemory& memory, const Attempt& attempt, const Placeme
     memory.friction = learn_from_fall(memory.friction, attempt, seen, models, options);
     emit(FrictionUpdated{memory.friction});
   }
-  if (record.outcome == Outcome::kPlaced) return;
+  if (record.outcome == Outcome::kPlaced) {
+    memory.pushed = 0;  // what was pushed led to something
+    return;
+  }
   if (record.outcome == Outcome::kNotPicked || record.outcome == Outcome::kDropped) {
     memory.failed_grasps[attempt.placement.stone].push_back(attempt.T_O_T);
     if (missed_picks(memory.records, record.stone) < options.pick_attempts) return;

@@ -94,7 +94,8 @@ struct RunMemory {
   std::optional<WallPlanned> wall;  ///< as of the plan that was followed last; empty before the first
   int actions = 0;                  ///< carried out
   int failures = 0;                 ///< placements that did not hold
-  int unstacked = 0, reoriented = 0, cleared = 0, pushed = 0;
+  int unstacked = 0, reoriented = 0, cleared = 0;
+  int pushed = 0;  ///< since a stone was placed last
   std::optional<Failure> failure;
   std::map<StoneIndex, std::vector<Pose>> failed_grasps;       ///< T_O_T by stone
   std::map<StoneIndex, std::vector<Eigen::Vector3d>> toppled;  ///< ups, frame O, in which it did not stay

@@ -127,6 +127,31 @@ TEST(PushFree, AStoneThatStayedWhereItWasIsNotPushedOnceMore) {
   }
 }
 
+TEST(PushFree, APlacementThatHoldsAllowsFurtherPushes) {
+  const Catalogue catalogue = read_catalogue(data_path("stones"));
+  const RobotModel robot = read_robot("ur10");
+  const Models models = make_models(catalogue, robot, CellLayout{});
+  const BuildOptions options;
+  const Pose T_W_O = make_pose(Eigen::Vector3d(0.7, 0.28, 0.05));
+  for (const bool stands : {false, true}) {
+    RunMemory memory = make_memory(options);
+    memory.pushed = 2;
+    Attempt attempt;
+    attempt.placement.stone = 1_stone;
+    attempt.placement.T_W_O = T_W_O;
+    attempt.action = Place{{attempt.placement}};
+    attempt.done.status = ExecutionResult::Status::kReleased;
+    memory.attempt = attempt;
+    WorldEstimate seen;
+    (stands ? seen.stack : seen.loose).push_back({1_stone, T_W_O, T_W_O});
+    add_resting_stacks(models, options, memory.friction, seen);
+    memory = learn(std::move(memory), seen, models, options, {});
+    ASSERT_EQ(memory.records.size(), 1U);
+    EXPECT_EQ(memory.records.front().outcome == PlacementRecord::Outcome::kPlaced, stands);
+    EXPECT_EQ(memory.pushed, stands ? 0 : 2);
+  }
+}
+
 TEST(PushFree, AStoneThatCanBeGraspedIsNotPushed) {
   const Blocked bench;
   const Models models = make_models(bench.catalogue, bench.robot, CellLayout{});
