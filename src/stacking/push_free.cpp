@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstddef>
-#include <utility>
 
 #include "core/constants.hpp"
 #include "geometry/footprint.hpp"
@@ -164,28 +162,18 @@ bool may_push(const Situation& s, const RunMemory& memory, StoneIndex stone) {
   return memory.pushed < s.options.max_reoriented && !memory.not_pushed.contains(stone);
 }
 
-/// Shifts of one loose stone after which a grasp of another, or of itself, serves; first those after which
-/// most loose stones have one: a stone pushed to where there is room for itself may take it from another.
+/// Shifts of one loose stone after which a grasp of another, or of itself, serves.
 std::vector<Eigen::Vector2d> shifts_that_free(const Situation& s, const PlacedStone& pushed,
                                               StoneIndex freed) {
-  std::vector<std::pair<std::ptrdiff_t, Eigen::Vector2d>> shifts;  // stones that have a grasp then
+  std::vector<Eigen::Vector2d> shifts;
   std::size_t tried = 0;
   for (const FreeShift& shift : free_shifts(s, pushed)) {
-    if (tried++ >= kTriedPushes) break;
-    Reach then = reach_of(s, with(s.arrangement, moved(pushed, shift.p_W_shift)));
-    if (then.at_pick(freed).usable.empty()) continue;
-    const auto& loose = s.arrangement.loose;
-    const auto held = std::count_if(loose.begin(), loose.end(), [&](const PlacedStone& stone) {
-      return at(s.models.unfit, stone.stone).empty() && !then.at_pick(stone.stone).usable.empty();
-    });
-    shifts.emplace_back(held, shift.p_W_shift);
+    if (shifts.size() >= kOfferedPushes || tried >= kTriedPushes) break;
+    ++tried;
+    if (is_held(s, with(s.arrangement, moved(pushed, shift.p_W_shift)), freed))
+      shifts.push_back(shift.p_W_shift);
   }
-  std::stable_sort(shifts.begin(), shifts.end(),
-                   [](const auto& a, const auto& b) { return a.first > b.first; });
-  shifts.resize(std::min(shifts.size(), kOfferedPushes));
-  std::vector<Eigen::Vector2d> offered;
-  for (const auto& [held, p_W_shift] : shifts) offered.push_back(p_W_shift);
-  return offered;
+  return shifts;
 }
 
 /// Loose stones that the gripper could hold but for what stands beside them.
