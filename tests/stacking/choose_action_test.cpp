@@ -456,7 +456,6 @@ TEST(ChooseAction, ObjectsThatLieThereWhileAllStonesAreSeenAreNoStones) {
       << "what lies there now may be the stone that is not seen";
 }
 
-/// Grasps that failed are tried again before a run ends, and only then.
 /// The tower of "stop" without its top stone, which lies where nothing lifts it.
 State with_top_out_of_reach() {
   State state = read("stop");
@@ -471,6 +470,7 @@ State with_top_out_of_reach() {
   return state;
 }
 
+/// Grasps that failed twice are tried again before a run ends, and only then.
 TEST(ChooseAction, RetriesFailedGraspsBeforeItStops) {
   State state = with_top_out_of_reach();
   std::vector<Pose>& failed = state.memory.failed_grasps[state.world.loose.front().stone];
