@@ -1,4 +1,4 @@
-# SANITIZE: sanitizers that the library is built with; a program that uses it needs the same.
+# SANITIZE: sanitizers that the library is built with; a program that uses it needs the same, and the same COMPILER.
 # Installs everything, builds a project that knows nothing of this tree against it, and runs the installed programs, also
 # after the prefix has been moved.
 file(REMOVE_RECURSE "${WORK}")
@@ -29,7 +29,7 @@ if(NOT EXISTS "${WORK}/prefix/share/doc/stonestack/LICENSE")
   message(FATAL_ERROR "LICENSE is not installed")
 endif()
 if(SANITIZE)
-  set(flags "-DCMAKE_CXX_FLAGS=-fsanitize=${SANITIZE}")
+  set(flags "-DCMAKE_CXX_FLAGS=-fsanitize=${SANITIZE} -fno-sanitize=vptr" "-DCMAKE_CXX_COMPILER=${COMPILER}")
 endif()
 # The example of README is compiled as it stands.
 file(READ "${README}" readme)

@@ -54,7 +54,7 @@ struct Lab {
   std::vector<Event> heard;
   Listener listener;
 
-  explicit Lab(const std::vector<StoneIndex>& present = {1_stone, 2_stone})
+  explicit Lab(const std::vector<StoneIndex>& present = {StoneIndex{1}, StoneIndex{2}})
       : world(catalogue.stones, present, robot, CellLayout{}, seeded()),
         cell(world.cell()),
         arm(cell.arm),

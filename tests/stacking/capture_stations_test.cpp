@@ -32,7 +32,7 @@ struct CaptureCell {
   WatchedArm arm{devices.arm, robot, devices.layout.T_F_T};
   Cell cell{arm, devices.gripper, devices.force_torque, devices.camera, devices.clock, measured_by_tape()};
 
-  explicit CaptureCell(Catalogue known, const std::vector<StoneIndex>& present = {0_stone},
+  explicit CaptureCell(Catalogue known, const std::vector<StoneIndex>& present = {StoneIndex{0}},
                        const SimulationOptions& options = options_of_cell("ideal"))
       : targets(std::move(known)), world(targets.stones, present, robot, CellLayout{}, options) {}
   [[nodiscard]] HandEyeFile capture(const CaptureOptions& options) {
