@@ -60,8 +60,10 @@ std::vector<Detection> rivals_at(const Detection& d, const DetectionModels::Data
     return std::any_of(known.begin(), known.end(), [&](const KnownStone& k) { return k.stone == s; });
   });
   if (stones.empty()) return {};
-  const auto [points, view] = shown_points(d, at(data.models, d.stone), scene);
-  const Eigen::Vector3f eye = scene.views[static_cast<std::size_t>(view)].T_C_V.translation().cast<float>();
+  const auto shown = shown_points(d, at(data.models, d.stone), scene);
+  const auto& points = shown.first;
+  const Eigen::Vector3f eye =
+      scene.views[static_cast<std::size_t>(shown.second)].T_C_V.translation().cast<float>();
   std::vector<std::vector<Candidate>> judged(stones.size());
   tbb::parallel_for(std::size_t{0}, stones.size(), [&](std::size_t k) {
     const DetectionModel& model = at(data.models, stones[k]);
