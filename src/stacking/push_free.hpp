@@ -11,7 +11,8 @@ enum class Neighbours {
 };
 /// A push for the first loose stone that the gripper could hold as it lies, but for what stands beside it;
 /// with kAll, where none can be pushed itself, of a loose stone that stands beside one. Nothing if there is
-/// none, if no push leads to where a grasp serves, or if enough was pushed already.
+/// none, if no push leads to where a grasp serves, or if enough was pushed already. A push on which the stone
+/// may meet the stack where the fingers turn it comes last.
 [[nodiscard]] std::optional<Push> push_free(const Situation& situation, const RunMemory& memory,
                                             Neighbours neighbours);
 /// A push for a loose stone that leans on the stack, along the stack or away from it.

@@ -206,6 +206,40 @@ TEST(PushFree, WhereAStoneCannotBePushedItsNeighbourIs) {
   }
 }
 
+TEST(PushFree, AStoneThatWouldTurnAgainstTheStackIsPushedLast) {
+  BesideASlab bench;
+  ASSERT_TRUE(bench.found);
+  const StoneIndex stacked(bench.catalogue.stones.size());
+  bench.catalogue.stones.push_back(bench.catalogue[bench.neighbour]);
+  bench.catalogue.stones.back().name = "stacked slab";
+  const Models models = make_models(bench.catalogue, bench.robot, bench.layout);
+  const BuildOptions options;
+  const Listener nobody;
+  const RunMemory memory = make_memory(options);
+  RunMemory neighbour_stays = memory;
+  neighbour_stays.not_pushed.insert(bench.neighbour);
+  const auto pushed = [&](const RunMemory& by) {
+    const Situation situation = make_situation(bench.world, models, options, nobody);
+    const auto push = push_free(situation, by, Neighbours::kAll);
+    return push ? push->stone.stone : kNoStone;
+  };
+  EXPECT_EQ(pushed(memory), bench.stone.stone) << "no stack is near";
+  // A slab of the stack 6 mm beside the stone, where its pushes lead past: as it lies it keeps off the slab.
+  const double azimuth = 1.25 * M_PI;
+  const Eigen::Vector2d towards(std::cos(azimuth), std::sin(azimuth));
+  const Stone& stone = bench.catalogue[bench.stone.stone];
+  const Eigen::Vector2d p_W_M = (bench.stone.T_W_O * stone.mass.p_O_M).head<2>();
+  double far = 0.0;
+  for (const auto& p_O : stone.scan.vertices)
+    far = std::max(far, towards.dot((bench.stone.T_W_O * p_O).head<2>() - p_W_M));
+  Pose T_W_O = bench.box.T_W_O;
+  T_W_O.linear() = Eigen::AngleAxisd(azimuth, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  T_W_O.translation().head<2>() = p_W_M + (far + 0.006 + 0.03) * towards;
+  bench.world.stack = {{stacked, T_W_O, T_W_O}};
+  EXPECT_EQ(pushed(memory), bench.neighbour);
+  EXPECT_EQ(pushed(neighbour_stays), bench.stone.stone) << "rather than nothing";
+}
+
 TEST(PushFree, AStoneThatThePlanLeavesOutIsGivenRoomFirst) {
   BesideASlab bench;
   ASSERT_TRUE(bench.found);
