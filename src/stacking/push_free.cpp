@@ -17,7 +17,8 @@ constexpr std::array kPushLengths{0.03, 0.05, 0.08, 0.12};  // m
 constexpr double kPathStep = 0.005;                         // m, along a push
 constexpr double kPastOthers = 0.004;  // m, between footprints, or as much as there is at the start
 constexpr double kForFingers = 0.03;   // m beside a stone: more helps no finger
-/// A pushed stone turns until both fingers touch it: 90 % of 33 pushes in `lab` by less, 95 % by 0.52 rad.
+/// A pushed stone turns until both fingers touch it: 90 % of 33 pushes by less, 95 % by 0.52 rad (poses in
+/// the journals of the rocks in `lab`, docs/results.md).
 constexpr double kPushTurn = 0.45;  // rad, about the vertical
 constexpr double kAway = 0.7;  // cosine of the angle between a push and straight away from a stacked stone
 constexpr double kGripperRadius =
@@ -108,7 +109,11 @@ std::optional<double> clearance_after(const Polygon2& print, const std::vector<P
 bool keeps_off_stack(const Polygon2& print, const std::vector<Polygon2>& stack, const Eigen::Vector2d& p_W_M,
                      const Eigen::Vector2d& p_W_shift) {
   const int steps = static_cast<int>(std::ceil(p_W_shift.norm() / kPathStep));
+  double radius = 0.0;
+  for (const Eigen::Vector2d& p : print) radius = std::max(radius, (p - p_W_M).norm());
+  const double reach = p_W_shift.norm() + radius * kPushTurn + kPastOthers;
   return std::all_of(stack.begin(), stack.end(), [&](const Polygon2& other) {
+    if (distance_between(print, other) > reach) return true;
     const Eigen::Vector2d away = p_W_M - geometry::centroid(other);
     if (p_W_shift.dot(away) > kAway * p_W_shift.norm() * away.norm()) return true;
     for (const double angle : {-kPushTurn, kPushTurn}) {
@@ -199,23 +204,16 @@ bool may_push(const Situation& s, const RunMemory& memory, StoneIndex stone) {
   return memory.pushed < s.options.max_reoriented && !memory.not_pushed.contains(stone);
 }
 
-/// Which pushes are asked for.
-enum class Pushes {
-  kPastStack,  ///< those on which the stone keeps off the stack even where it turns
-  kAll
-};
-
-/// Shifts of one loose stone after which a grasp of another, or of itself, serves.
-std::vector<Eigen::Vector2d> shifts_that_free(const Situation& s, const PlacedStone& pushed, StoneIndex freed,
-                                              Pushes pushes) {
-  std::vector<Eigen::Vector2d> shifts;
+/// Shifts of one loose stone after which a grasp of another, or of itself, serves: those that keep off the
+/// stack, or where there are none the others.
+std::vector<FreeShift> shifts_that_free(const Situation& s, const PlacedStone& pushed, StoneIndex freed) {
+  std::vector<FreeShift> shifts;
   std::size_t tried = 0;
   for (const FreeShift& shift : free_shifts(s, pushed)) {
     if (shifts.size() >= kOfferedPushes || tried >= kTriedPushes) break;
-    if (pushes == Pushes::kPastStack && !shift.off_stack) continue;
+    if (!shifts.empty() && shifts.front().off_stack != shift.off_stack) break;
     ++tried;
-    if (is_held(s, with(s.arrangement, moved(pushed, shift.p_W_shift)), freed))
-      shifts.push_back(shift.p_W_shift);
+    if (is_held(s, with(s.arrangement, moved(pushed, shift.p_W_shift)), freed)) shifts.push_back(shift);
   }
   return shifts;
 }
@@ -229,42 +227,42 @@ std::vector<PlacedStone> blocked_stones(const Situation& s) {
   return list;
 }
 
-/// A neighbour pushed away from a stone that is blocked by it.
-std::optional<Push> push_neighbour(const Situation& s, const RunMemory& memory, StoneIndex blocked,
-                                   Pushes pushes) {
-  for (const PlacedStone& other : s.arrangement.loose) {
-    if (other.stone == blocked || !may_push(s, memory, other.stone) ||
-        !is_held(s, without(s.arrangement, other.stone), blocked))
-      continue;
-    if (const auto shifts = shifts_that_free(s, other, blocked, pushes); !shifts.empty())
-      return Push{other, shifts};
+/// The first push that is offered of those that keep off the stack; if there is none, of all.
+class FirstPush {
+ public:
+  /// Offers pushes of a stone. True where one of them keeps off the stack: no other is needed.
+  bool offer(const PlacedStone& pushed, const std::vector<FreeShift>& shifts) {
+    if (shifts.empty() || (push_ && !shifts.front().off_stack)) return false;
+    push_ = Push{pushed, {}};
+    for (const FreeShift& shift : shifts) push_->p_W_shifts.push_back(shift.p_W_shift);
+    return shifts.front().off_stack;
   }
-  return std::nullopt;
-}
+  [[nodiscard]] const std::optional<Push>& push() const { return push_; }
 
-/// Of a blocked stone itself, then with kAll of one beside it.
-std::optional<Push> push_one(const Situation& s, const RunMemory& memory, Neighbours neighbours,
-                             const std::vector<PlacedStone>& blocked, Pushes pushes) {
-  for (const PlacedStone& stone : blocked) {
-    if (!may_push(s, memory, stone.stone)) continue;
-    if (neighbours == Neighbours::kLasting &&
-        !is_blocked(reach_of(s, {s.arrangement.stack, {stone}}).at_pick(stone.stone)))
-      continue;
-    if (const auto shifts = shifts_that_free(s, stone, stone.stone, pushes); !shifts.empty())
-      return Push{stone, shifts};
-  }
-  if (neighbours == Neighbours::kAll)
-    for (const PlacedStone& stone : blocked)
-      if (const auto push = push_neighbour(s, memory, stone.stone, pushes)) return push;
-  return std::nullopt;
-}
+ private:
+  std::optional<Push> push_;
+};
 
 }  // namespace
 
 std::optional<Push> push_free(const Situation& s, const RunMemory& memory, Neighbours neighbours) {
   const std::vector<PlacedStone> blocked = blocked_stones(s);
-  if (const auto push = push_one(s, memory, neighbours, blocked, Pushes::kPastStack)) return push;
-  return push_one(s, memory, neighbours, blocked, Pushes::kAll);
+  FirstPush first;
+  for (const PlacedStone& stone : blocked) {
+    if (!may_push(s, memory, stone.stone)) continue;
+    if (neighbours == Neighbours::kLasting &&
+        !is_blocked(reach_of(s, {s.arrangement.stack, {stone}}).at_pick(stone.stone)))
+      continue;
+    if (first.offer(stone, shifts_that_free(s, stone, stone.stone))) return first.push();
+  }
+  if (neighbours == Neighbours::kLasting) return first.push();
+  for (const PlacedStone& stone : blocked)  // a neighbour is pushed away from it
+    for (const PlacedStone& other : s.arrangement.loose)
+      if (other.stone != stone.stone && may_push(s, memory, other.stone) &&
+          is_held(s, without(s.arrangement, other.stone), stone.stone) &&
+          first.offer(other, shifts_that_free(s, other, stone.stone)))
+        return first.push();
+  return first.push();
 }
 
 std::optional<Push> push_off_stack(const Situation& s, const RunMemory& memory, const PlacedStone& stray) {
