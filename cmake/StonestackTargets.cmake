@@ -28,7 +28,7 @@ if(STONESTACK_SANITIZE)
   # A finding ends the test. No vptr: classes that derive from a library's have hidden type information of their own, which it takes for
   # another class (assimp's IOSystem).
   target_compile_options(stonestack_settings INTERFACE -fsanitize=${STONESTACK_SANITIZE} -fno-sanitize=vptr -fno-sanitize-recover=undefined
-    -fno-omit-frame-pointer -Wno-error)
+    -fno-omit-frame-pointer -Wno-error $<$<CXX_COMPILER_ID:Clang>:-fsanitize-ignorelist=${PROJECT_SOURCE_DIR}/cmake/undefined_behaviour.ignore>)
   target_compile_definitions(stonestack_settings INTERFACE STONESTACK_SANITIZED)  # not every compiler tells by a macro of its own
   # Eigen aligns memory by itself where it sees AddressSanitizer, and PCL's libraries, which are not sanitized, do not:
   # what one of the two allocates the other could not free.

@@ -10,11 +10,20 @@
 namespace stonestack::geometry {
 namespace {
 
-/// How far the furthest vertex of `points` lies outside the convex mesh.
+/// Height of a triangle over its longest side.
+double lowest_height(const Mesh& mesh, const Eigen::Vector3i& face) {
+  const auto at = [&](int k) { return mesh.vertices[static_cast<std::size_t>(face[k])]; };
+  const Eigen::Vector3d ab = at(1) - at(0), ac = at(2) - at(0), bc = at(2) - at(1);
+  return ab.cross(ac).norm() / std::max({ab.norm(), ac.norm(), bc.norm()});
+}
+
+/// How far the furthest vertex of `points` lies outside the convex mesh, by the planes of its faces. Those of
+/// slivers, narrower than a micrometre, point anywhere.
 double worst_outside(const Mesh& convex, const Mesh& points) {
   const std::vector<Eigen::Vector3d> normals = face_normals(convex);
   double worst = -1e300;
   for (std::size_t f = 0; f < convex.faces.size(); ++f) {
+    if (lowest_height(convex, convex.faces[f]) < 1e-6) continue;
     const Eigen::Vector3d& a = convex.vertices[static_cast<std::size_t>(convex.faces[f][0])];
     for (const Eigen::Vector3d& p : points.vertices) worst = std::max(worst, normals[f].dot(p - a));
   }
@@ -55,7 +64,7 @@ TEST(ConvexHull, HoldsTheStoneAndIsConvex) {
     const Mesh hull = convex_hull(stone);
     EXPECT_TRUE(is_closed(hull));
     EXPECT_GE(volume(hull), volume(stone));
-    EXPECT_LT(worst_outside(hull, stone), 2e-5) << "slivers have inexact normals";
+    EXPECT_LT(worst_outside(hull, stone), 1e-9);
   }
 }
 
