@@ -254,7 +254,8 @@ void check_target(const WallTarget& target, std::size_t stones) {
   for (std::size_t k = 0; k < target.courses.size(); ++k) {
     const int count = target.courses[k];
     require(count > 0, "a course needs at least one stone, got ", count);
-    require(k == 0 || count <= target.courses[k - 1], "course ", k + 1, " has more stones (", count,
+    if (k == 0) continue;
+    require(count <= target.courses[k - 1], "course ", k + 1, " has more stones (", count,
             ") than the one below (", target.courses[k - 1], ")");
   }
   const int asked = stones_asked(target);
