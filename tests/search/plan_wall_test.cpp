@@ -181,7 +181,7 @@ TEST(PlanWall, PlansAnewWhereTheRestOfThePlanDoesNotHold) {
 }
 
 /// Five limestones of a wall of 3 + 2 + 1 as they were put down with errors, and the one that is to lie on
-/// top.
+/// top, with its place.
 struct NearlyBuilt {
   ShapeList shapes = limestones();
   SearchProblem problem;
@@ -198,8 +198,12 @@ struct NearlyBuilt {
         {1_stone, pose({0.04891, -0.00270, 0.09014}, {0.744126, 0.121028, 0.115707, 0.646715})}};
     problem.available = {{2_stone, at(0.6, 0.0, 0.05)}};
     options.friction = 0.3;
-    options.directions = SearchOptions().directions;
-    options.yaws = SearchOptions().yaws;
+    WallPlacement top;
+    top.placement.stone = 2_stone;
+    top.placement.T_W_O = pose({-0.00954, -0.00799, 0.14741}, {0.059489, -0.187839, 0.979080, -0.050793});
+    top.course = 2;
+    begun.rest = {top};
+    begun.rest_only = true;
   }
   static ShapeList limestones() {
     ShapeList made;
@@ -224,6 +228,7 @@ struct NearlyBuilt {
 
 TEST(PlanWall, WhereAnArmBuildsStonesMayRockUnderTheLoad) {
   NearlyBuilt wall;
+  EXPECT_THAT(wall.plan().placements, testing::IsEmpty()) << "without an arm";
   wall.problem.reachable = [](StoneIndex, const Pose&, const Stack&) { return true; };
   const WallPlan plan = wall.plan();
   ASSERT_EQ(plan.placements.size(), 1U) << plan.reason;
