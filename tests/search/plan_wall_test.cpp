@@ -5,9 +5,9 @@
 #include <numeric>
 
 #include "box_scenes.hpp"
+#include "geometry/convex_pieces.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
-#include "stonestack/stone/model_stone.hpp"
 #include "temporary_folder.hpp"
 
 namespace stonestack::search {
@@ -180,54 +180,46 @@ TEST(PlanWall, PlansAnewWhereTheRestOfThePlanDoesNotHold) {
   EXPECT_GT((place(plan, 0) - half.problem.stack.stones.front().T_W_O.translation()).norm(), 0.10);
 }
 
-/// Five limestones of a wall of 3 + 2 + 1 as they were put down with errors, and the one that is to lie on
-/// top, with its place.
-struct NearlyBuilt {
-  ShapeList shapes = limestones();
+/// Two stones of a wall of 2 + 1 that have a ridge below and lean outwards, and the one that is to lie over
+/// their joint: under its load they rock inwards.
+struct Rocking {
+  static constexpr double kSlope = 0.02;  // rad, of the faces beside the ridge
+  ShapeList shapes{ridged("left"), ridged("right"), box("top", {0.12, 0.07, 0.05})};
   SearchProblem problem;
-  WallBegun begun{Pose::Identity(), {0, 0, 0, 1, 1}, {}};
+  WallBegun begun{Pose::Identity(), {0, 0}, {}, true};
   SearchOptions options = quick();
 
-  NearlyBuilt() {
+  Rocking() {
     problem.shapes = &shapes;
-    problem.stack.stones = {
-        {3_stone, pose({-0.15200, -0.00924, 0.03467}, {0.984177, 0.092356, 0.007043, 0.151049})},
-        {5_stone, pose({-0.02176, -0.00887, 0.03415}, {0.016748, 0.738236, 0.673034, -0.041870})},
-        {4_stone, pose({0.12007, 0.00187, 0.03347}, {-0.091694, 0.609219, 0.783955, -0.076545})},
-        {0_stone, pose({-0.08272, -0.01532, 0.10270}, {-0.162051, 0.016038, 0.832860, 0.528987})},
-        {1_stone, pose({0.04891, -0.00270, 0.09014}, {0.744126, 0.121028, 0.115707, 0.646715})}};
-    problem.available = {{2_stone, at(0.6, 0.0, 0.05)}};
-    options.friction = 0.3;
+    problem.stack.stones = {{0_stone, leaning(-0.07, -kSlope)}, {1_stone, leaning(0.07, kSlope)}};
+    problem.available = {{2_stone, at(0.6, 0.0, 0.025)}};
+    options.friction = 0.5;
+    options.min_margin = 0.0;  // between one face and the other they bear nothing sideways
     WallPlacement top;
     top.placement.stone = 2_stone;
-    top.placement.T_W_O = pose({-0.00954, -0.00799, 0.14741}, {0.059489, -0.187839, 0.979080, -0.050793});
-    top.course = 2;
+    top.placement.T_W_O = at(0.0, 0.0, 0.0765);
+    top.course = 1;
     begun.rest = {top};
-    begun.rest_only = true;
   }
-  static ShapeList limestones() {
-    ShapeList made;
-    LimestoneOptions options;
-    options.faces = 2000;
-    for (int k = 0; k < 6; ++k) {
-      const Mesh mesh = make_limestone(1000 + static_cast<std::uint64_t>(k), options);
-      const Mesh centred =
-          transformed(mesh, make_pose(Eigen::Vector3d(-mass_properties(mesh, 2600.0).p_O_M)));
-      made.push_back(make_contact_shape(centred, mass_properties(centred, 2600.0), concat("limestone_", k)));
+  /// O is on the ridge.
+  static std::shared_ptr<const ContactShape> ridged(const std::string& name) {
+    Mesh corners;
+    for (const double y : {-0.045, 0.045}) {
+      corners.vertices.emplace_back(0.0, y, 0.0);
+      for (const double x : {-0.06, 0.06})
+        for (const double z : {0.06 * std::tan(kSlope), 0.05}) corners.vertices.emplace_back(x, y, z);
     }
-    return made;
+    const Mesh mesh = geometry::convex_hull(corners);
+    return make_contact_shape(mesh, mass_properties(mesh, 2600.0), name);
   }
-  static Pose pose(const Eigen::Vector3d& p_W_O, const Eigen::Quaterniond& q_W_O) {
-    Pose T_W_O = Pose::Identity();
-    T_W_O.linear() = q_W_O.normalized().toRotationMatrix();
-    T_W_O.translation() = p_W_O;
-    return T_W_O;
+  static Pose leaning(double x, double turn) {
+    return make_pose({x, 0.0, 0.0}, Eigen::Quaterniond(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitY())));
   }
-  [[nodiscard]] WallPlan plan() const { return plan_wall(problem, courses({3, 2, 1}), options, {}, begun); }
+  [[nodiscard]] WallPlan plan() const { return plan_wall(problem, courses({2, 1}), options, {}, begun); }
 };
 
 TEST(PlanWall, WhereAnArmBuildsStonesMayRockUnderTheLoad) {
-  NearlyBuilt wall;
+  Rocking wall;
   EXPECT_THAT(wall.plan().placements, testing::IsEmpty()) << "without an arm";
   wall.problem.reachable = [](StoneIndex, const Pose&, const Stack&) { return true; };
   const WallPlan plan = wall.plan();
@@ -235,15 +227,14 @@ TEST(PlanWall, WhereAnArmBuildsStonesMayRockUnderTheLoad) {
   Stack whole = wall.problem.stack;
   whole.stones.push_back({2_stone, plan.placements.front().placement.T_W_O});
   StandOptions stand;
-  stand.friction = 0.3;
+  stand.friction = 0.5;
   stand.seconds = 5.0;
   EXPECT_FALSE(judge_stack(wall.shapes, whole, stand).stands) << "within 1 mm and 1 deg";
   stand.max_shift = 0.006;
   stand.max_turn = 0.1;
   const StandVerdict verdict = judge_stack(wall.shapes, whole, stand);
   EXPECT_TRUE(verdict.stands) << verdict.reason;
-  EXPECT_GT(verdict.turn, 0.03)
-      << "rad: the planned place is one of those that the limits of a firm stack refuse";
+  EXPECT_NEAR(verdict.turn, 2 * Rocking::kSlope, 0.005) << "rad: from one face onto the other";
 }
 
 TEST(PlanWall, AWallThatIsWholeAsksForNothing) {
